@@ -1,0 +1,41 @@
+# make         the main job: environment, then every table and figure
+# make test    environment, then all tests
+PYTHON ?= python3
+CORES ?= 2
+PORT ?= 5000
+BIN := .venv/bin
+
+.PHONY: run env environment test ui report lock
+
+run: environment
+	$(BIN)/snakemake --cores $(CORES)
+	@echo
+	@echo "Next: open results/report.html, compare runs with 'make ui', or change config/ and run 'make' again."
+	@echo "By hand: . $(BIN)/activate && snakemake --cores $(CORES)"
+
+env: environment
+	@echo "Next: 'make' runs the main job, 'make test' the tests; '. $(BIN)/activate' makes the environment yours."
+
+# Made again only when what it holds changes.
+environment:
+	@sh envs/make.sh $(PYTHON)
+
+test: environment
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest
+	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
+
+ui: environment
+	@$(BIN)/python -m vibrom.tracking results/mlflow.db $(PORT)
+
+report: environment
+	$(BIN)/snakemake --cores $(CORES) --report results/snakemake_report.html
+	@echo "Next: open results/snakemake_report.html"
+
+# Resolve the dependencies of pyproject.toml anew, for every Python that it claims.
+lock: environment
+	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
+	    --upgrade --group test pyproject.toml -o envs/requirements.txt
+	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
+	    --upgrade - -o envs/uv.txt
+	@echo "Next: 'make test' makes the environment anew and tries it."

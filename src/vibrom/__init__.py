@@ -1,0 +1,1 @@
+"""Which reduced-order model predicts a structure that bends far, how well, and what that accuracy costs in time."""

@@ -1,0 +1,18 @@
+"""Consistent mass:  M_ij = rho b int N_i . N_j dA,  b the thickness."""
+
+from dataclasses import dataclass
+
+import skfem
+from skfem.helpers import dot
+
+from vibrom.space import Space
+from vibrom.term import Term
+
+
+@dataclass(frozen=True)
+class Inertia:
+    density: float  # kg/m^3
+
+    def assemble(self, space: Space, base: Term) -> Term:
+        form = skfem.BilinearForm(lambda u, v, w: self.density * space.thickness * dot(u, v))
+        return Term(mass=space.matrix(form.assemble(space.basis)))

@@ -1,0 +1,17 @@
+"""A load that drives one mode of the undamped linear body:  p = M phi_k  (modal force 1 N per kg^1/2 and unit of the signal)."""
+
+from dataclasses import dataclass
+
+from vibrom.modes import eigenmodes
+from vibrom.space import Space
+from vibrom.term import Term
+
+
+@dataclass(frozen=True)
+class ModalLoad:
+    mode: int = 1  # counted from one
+
+    def assemble(self, space: Space, base: Term) -> Term:
+        mass = base.require("mass", "modal_load", "inertia")
+        base.require("stiffness", "modal_load", "elasticity")
+        return Term(load=mass @ eigenmodes(base, self.mode)[1][self.mode - 1])

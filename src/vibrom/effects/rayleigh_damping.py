@@ -1,0 +1,23 @@
+"""Rayleigh damping:  C = a M + b K.
+
+`damping_ratio` zeta of the first mode omega_1 is met by the mass part:  a = 2 zeta omega_1 - b omega_1^2  [1/s].
+"""
+
+from dataclasses import dataclass
+
+from vibrom.modes import eigenmodes
+from vibrom.space import Space
+from vibrom.term import Term
+
+
+@dataclass(frozen=True)
+class RayleighDamping:
+    damping_ratio: float
+    stiffness_factor: float = 0.0  # s
+
+    def assemble(self, space: Space, base: Term) -> Term:
+        mass = base.require("mass", "rayleigh_damping", "inertia")
+        stiffness = base.require("stiffness", "rayleigh_damping", "elasticity")
+        first = eigenmodes(base, 1)[0][0]
+        damping = (2.0 * self.damping_ratio * first - self.stiffness_factor * first**2) * mass
+        return Term(damping=damping + self.stiffness_factor * stiffness if self.stiffness_factor else damping)

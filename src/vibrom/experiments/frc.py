@@ -1,0 +1,49 @@
+"""The forced response curve: amplitude and phase of the last period, every frequency from rest, all frequencies side by side.
+
+Source: thesis, section 2.3.3.
+"""
+
+import time
+
+import numpy as np
+import xarray as xr
+
+from vibrom.data import outcome_variables, scored, variable
+from vibrom.response import amplitude_and_phase
+from vibrom.rollout import Drive, Integrator, decode_displacement, rollout
+
+needs = ("structure", "rom", "frc")
+full_order = None
+SAMPLES = 500  # of the last period: a maximum between two samples is missed by at most (pi/500)^2/2 = 2e-5 of it
+
+
+def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
+    rom, structure, truth = artefacts["rom"], artefacts["structure"], artefacts["frc"]
+    frequency, periods = truth["angular_frequency"].values, int(truth.attrs["periods"])
+    runs, n, probes = len(frequency), len(structure["load"]), structure["probe_dof"].values
+    drive = Drive(structure["load"].values, np.full(runs, truth["forcing"].item()), frequency)
+    period = (2 * np.pi / frequency)[:, None]
+    instants = period * (periods - 1 + np.arange(SAMPLES + 1) / SAMPLES)
+    began = time.perf_counter()
+    run = rollout(rom, np.repeat(rom.encode(np.zeros((1, 2 * n))), runs, axis=0), instants, integrator, drive)
+    watched = decode_displacement(rom, run.reduced[:, :-1].reshape(runs * SAMPLES, -1), probes).reshape(runs, SAMPLES, len(probes))
+    amplitude, phase = amplitude_and_phase(watched.transpose(2, 0, 1))
+    seconds = time.perf_counter() - began
+    dims, end = ("probe", "angular_frequency"), np.isfinite(amplitude[0])
+    dataset = xr.Dataset({
+        "amplitude": variable(dims, amplitude, "m", "largest displacement of the last period"),
+        "phase": variable(dims, phase, "rad", "phase of the first harmonic relative to the forcing"),
+        "range_ratio": variable("angular_frequency", run.range_ratio, "1", "largest reduced coordinate over the largest in the training data"),
+        "forcing": variable((), truth["forcing"].item(), "1", "forcing amplitude, times the scene's load"),
+        **outcome_variables("ok", seconds=seconds),
+        "outcome": variable("angular_frequency", np.array(run.outcome, dtype=object), "1", "how the run ended"),
+        "failed_at": variable("angular_frequency", run.failed_at, "s", "simulated time of the failure, or of leaving the training range"),
+    }, coords={"angular_frequency": truth["angular_frequency"].variable, "probe": structure["probe"].variable})
+    reference = truth["amplitude"].values[0]
+    relative = 100 * np.abs(amplitude[0] / reference - 1)
+    peak = 100 * (amplitude[0, end].max() / np.nanmax(reference) - 1) if end.any() else np.nan
+    return scored(dataset, {
+        "completed": (float(end.sum()), "1"),
+        "amplitude_error_median_percent": (float(np.median(relative)) if end.all() else float("nan"), "percent"),
+        "peak_error_percent": (float(peak), "percent"),
+    })

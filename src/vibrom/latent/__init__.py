@@ -1,0 +1,1 @@
+"""Pieces that methods share: polynomial libraries, autoencoders, the training loop."""

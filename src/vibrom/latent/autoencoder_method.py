@@ -1,0 +1,135 @@
+"""What the methods with an autoencoder share: settings, coordinates, one training, and the model made of it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibrom.latent import coordinates
+from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom, slope_at_rest
+from vibrom.latent.coordinates import Coordinates
+from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.rom import Method, MethodError, Training
+
+if TYPE_CHECKING:
+    from vibrom.latent.training import Dynamics
+
+CHOICES = {
+    "activation": ("elu", "silu", "softplus", "tanh"),
+    "linear": ("none", "pod", "modes"),
+    "time_scale": ("first_frequency", "none"),
+    "schedule": ("one_cycle", "constant"),
+    "precision": ("float32", "float64"),
+    "force_rule": RULES,
+}
+
+
+@dataclass(frozen=True)
+class AutoencoderMethod(Method):
+    """Settings of network, coordinates and optimiser."""
+
+    latent: int = 1  # d, reduced positions; the state has 2 d coordinates
+    order: int = 3  # p, of the polynomial dynamics
+    hidden: tuple[int, ...] = (64, 32)  # units of the encoder's hidden layers; the decoder mirrors them
+    activation: str = "silu"
+    rank: int = 14  # proper orthogonal directions that carry the displacements, at most; 0: the displacements themselves
+    linear: str = "pod"  # linear part beside the networks: none, first POD directions, or modes with the decoder tangent to them at rest
+    scaled: bool = True  # displacements divided by their root mean square
+    time_scale: str = "first_frequency"  # or none: seconds
+    every: int = 10  # train on every k-th sample
+    epochs: int = 2000
+    batch: int = 0  # samples in a step; 0: all
+    shuffle: bool = False
+    learning_rate: float = 4e-3
+    schedule: str = "one_cycle"
+    precision: str = "float32"
+    force_rule: str = "decoder"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "hidden", tuple(self.hidden))
+        for name, allowed in CHOICES.items():
+            if getattr(self, name) not in allowed:
+                raise MethodError(f"{name} is {getattr(self, name)!r}; give one of {', '.join(allowed)}")
+        for name in ("latent", "order", "every", "epochs"):
+            if getattr(self, name) < 1:
+                raise MethodError(f"{name} is {getattr(self, name)}; give 1 or more")
+        if not all(isinstance(size, int) and size > 0 for size in self.hidden):
+            raise MethodError(f"hidden is {list(self.hidden)}; give the number of units of each layer, such as [64, 32]")
+
+    def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics | None:
+        """What is learnt together with the autoencoder; None: nothing."""
+        return None
+
+    @abstractmethod
+    def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
+        """Coefficients of all monomials 1..order, from the encoded motion z, dz/dtau, d2z/dtau2 and from what was learnt with the networks."""
+
+    def fit(self, training: Training) -> AutoencoderRom:
+        # torch takes seconds to import, and neither a plan of the workflow nor a fitted model needs it.
+        import torch
+
+        from vibrom.latent.autoencoder import Autoencoder
+        from vibrom.latent.training import Schedule, pick_device, train
+
+        with training.monitor.phase("mapping"):
+            chosen = coordinates.choose(training, rank=self.rank, modes=self._modes, scaled=self.scaled, time_scale=self.time_scale)
+            stack = chosen.stack(training.trajectories, self.every)
+            test = chosen.stack(training.test, self.every) if training.test else None
+            sizes = (stack.shape[-1], *self.hidden, self.latent)
+            device = pick_device(training.device)
+            straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
+            tensors = [None if self.linear == "none" else torch.tensor(part, dtype=getattr(torch, self.precision), device=device)
+                       for part in straight]
+            dynamics = self.dynamics(training, chosen, stack)
+            parts = train(
+                Autoencoder(sizes, self.activation, *tensors, fixed_tangent=self._modes > 0), dynamics,
+                Schedule(self.epochs, self.batch, self.shuffle, self.learning_rate, self.schedule, self.precision), stack, test,
+                seed=training.seed or 0, device=device, monitor=training.monitor,
+                label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
+        learnt = parts.pop() if dynamics else None
+        with training.monitor.phase("dynamics"):
+            return self._model(training, chosen, sizes, parts, straight, learnt)
+
+    @property
+    def _modes(self) -> int:
+        return self.latent if self.linear == "modes" else 0
+
+    def _model(self, training: Training, chosen: Coordinates, sizes, parts, straight, learnt) -> AutoencoderRom:
+        encoder_linear, decoder_linear = straight
+        if self._modes:
+            decoder = parts[len(sizes) - 1:]
+            decoder_linear = decoder_linear - slope_at_rest(decoder, self.activation)
+        mass = dict.fromkeys(("mass_row", "mass_column", "mass_value"))
+        if training.structure:
+            entries = training.structure.mass.tocoo()
+            mass = {"mass_row": entries.row, "mass_column": entries.col, "mass_value": entries.data}
+        rom = AutoencoderRom(
+            reach=np.ones(2 * self.latent), sizes=np.array(sizes), weights=np.concatenate([part.ravel() for part in parts]),
+            encoder_linear=encoder_linear, decoder_linear=decoder_linear, basis=chosen.basis, scale=np.float64(chosen.scale),
+            rate=np.float64(chosen.rate), coefficients=np.zeros((self.latent, len(exponents(2 * self.latent, 1, self.order)))),
+            order=self.order, activation=self.activation, force_rule=self.force_rule, **mass,
+        )
+        motion = scaled_motion(rom, training)
+        reach = np.concatenate([np.abs(motion[0]).max(axis=0), np.abs(motion[1]).max(axis=0) * chosen.rate])
+        return replace(rom, reach=reach, coefficients=self.coefficients(motion, learnt, training, chosen.rate))
+
+
+def scaled_motion(rom: AutoencoderRom, training: Training) -> tuple[np.ndarray, ...]:
+    """z, dz/dtau and d2z/dtau2 (samples, d) of all training data."""
+    z, first, second = rom.encode_motion(*(training.joined(what) for what in ("displacement", "velocity", "acceleration")))
+    rate = float(rom.rate)
+    return z, first / rate, second / rate**2
+
+
+def fit_first_order(motion: tuple[np.ndarray, ...], order: int, linear: np.ndarray | None) -> np.ndarray:
+    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares; `linear` R0 (d, 2d) keeps the second row's linear part fixed."""
+    z, first, second = motion
+    y, d = np.hstack([z, first]), z.shape[1]
+    target = np.hstack([first, second])
+    if linear is None:
+        return least_squares(monomials(y, exponents(2 * d, 1, order)), target)
+    fixed = np.vstack([np.eye(2 * d)[d:], linear])
+    return np.hstack([fixed, least_squares(monomials(y, exponents(2 * d, 2, order)), target - y @ fixed.T)])

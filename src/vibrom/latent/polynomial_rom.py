@@ -1,0 +1,57 @@
+"""Linear encoder, polynomial decoder, polynomial dynamics.
+
+    z = (W q, W v),    x = D Psi(z / s),    dz/dt = R Phi(z / s) + (0, F p) u
+
+W (d, n) projects displacement and velocity, D (2n, k) and R (2d, l) are the coefficients of the monomials Psi and Phi, and F (d, n) maps the load:
+phi' for modal coordinates. s scales the monomials to order one, which keeps high orders well conditioned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibrom.latent.polynomial import least_squares, monomials
+from vibrom.rom import MethodError, Rom, Structure, array_field
+
+
+@dataclass(frozen=True)
+class PolynomialRom(Rom):
+    encoder: np.ndarray = array_field("kg0.5", "projection of displacement and of velocity", ("mode", "dof"))
+    scale: np.ndarray = array_field("1", "scale of the reduced coordinates in the monomials, in their own units", ("coordinate",))
+    decoder: np.ndarray = array_field("1", "coefficients of the decoder, in the unit of the state", ("state", "decoder_term"))
+    decoder_powers: np.ndarray = array_field("1", "exponents of the decoder's monomials", ("decoder_term", "coordinate"))
+    dynamics: np.ndarray = array_field("1", "coefficients of the dynamics, in the unit of the rate", ("coordinate", "dynamics_term"))
+    dynamics_powers: np.ndarray = array_field("1", "exponents of the dynamics' monomials", ("dynamics_term", "coordinate"))
+    force: np.ndarray | None = array_field("kg-0.5", "projection of the load", ("mode", "dof"))
+
+    def encode(self, x: np.ndarray) -> np.ndarray:
+        n = self.encoder.shape[1]
+        return np.concatenate([x[..., :n] @ self.encoder.T, x[..., n:] @ self.encoder.T], axis=-1)
+
+    def decode(self, z: np.ndarray) -> np.ndarray:
+        return monomials(z / self.scale, self.decoder_powers) @ self.decoder.T
+
+    def drift(self, z: np.ndarray) -> np.ndarray:
+        return monomials(z / self.scale, self.dynamics_powers) @ self.dynamics.T
+
+    def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+        if self.force is None:
+            raise MethodError("this model was fitted without operators and knows no force map; fit it on a scene with mass and modes")
+        modal = self.force @ p
+        return np.broadcast_to(np.concatenate([np.zeros_like(modal), modal]), z.shape)
+
+
+def fit_remainder(z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(coefficients, exponents) of  target = linear z + sum_k R_k Phi_k(z / s), the linear part (m, r) kept, R by least squares."""
+    known = np.eye(len(scale), dtype=np.int64)
+    remainder = least_squares(monomials(z / scale, powers), target - z @ linear.T)
+    return np.concatenate([linear * scale, remainder], axis=1), np.concatenate([known, powers])
+
+
+def linear_dynamics(structure: Structure, count: int) -> np.ndarray:
+    """R0 (2d, 2d) of the first `count` modes:  z'' = -omega^2 z - phi' C phi z'."""
+    modes = structure.modes[:count]
+    damping = modes @ (structure.damping @ modes.T)
+    return np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(structure.frequencies[:count] ** 2), -damping]])

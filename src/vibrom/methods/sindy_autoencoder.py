@@ -1,0 +1,40 @@
+"""Autoencoder and dynamics together, nothing known beforehand.
+
+    min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,    z = w(q)
+
+Theta holds all monomials 1..p and no constant; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and `acceleration_reduced`. Needs no operators.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibrom.latent.autoencoder_method import AutoencoderMethod
+from vibrom.latent.coordinates import Coordinates
+from vibrom.latent.polynomial import exponents
+from vibrom.rom import Training
+
+if TYPE_CHECKING:
+    from vibrom.latent.training import Dynamics
+
+
+@dataclass(frozen=True)
+class SindyAutoencoder(AutoencoderMethod):
+    acceleration_full: float = 1.0
+    acceleration_reduced: float = 0.1
+    sparsity: float = 0.0  # l3
+    first_coefficient: float = 0.0  # of every monomial, before training
+    coefficient_gain: float = 10.0  # learning rate of the coefficients over that of the weights
+
+    def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics:
+        from vibrom.latent.training import Dynamics
+
+        balance = float(np.sum(stack[0] ** 2) / np.sum(stack[2] ** 2))
+        return Dynamics(None, exponents(2 * self.latent, 1, self.order), self.first_coefficient, self.coefficient_gain,
+                        self.acceleration_full * balance, self.acceleration_reduced * balance, self.sparsity)
+
+    def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
+        return learnt

@@ -1,0 +1,38 @@
+"""SSMLearn: a spectral submanifold as a graph over its modal coordinates, with known linear dynamics.
+
+    z = W0 x,    x = V0 z + v(z),    dz/dt = R0 z + r(z),    W0 = diag(phi' M, phi' M),  V0 = diag(phi, phi)
+
+v and r hold the monomials of degree 2 and up of (z, z'), by least squares; R0 is the modal projection of the linear operators.
+Source: Cenedese, Axas, Bauerlein, Avila, Haller, Nature Communications 13 (2022) 872; thesis, section 2.2.4.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibrom.latent.polynomial import exponents
+from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder, linear_dynamics
+from vibrom.rom import Method, Training
+
+
+@dataclass(frozen=True)
+class SsmLearn(Method):
+    modes: int = 1
+    order_decoder: int = 3
+    order_dynamics: int = 3
+
+    def fit(self, training: Training) -> PolynomialRom:
+        structure, monitor = training.require_structure("ssmlearn"), training.monitor
+        phi = structure.modes[: self.modes]
+        encoder, (d, n) = (structure.mass @ phi.T).T, phi.shape
+        x = training.joined("state")
+        z = np.concatenate([x[:, :n] @ encoder.T, x[:, n:] @ encoder.T], axis=1)
+        reach = np.abs(z).max(axis=0)
+        with monitor.phase("mapping"):
+            linear = np.zeros((2 * n, 2 * d))
+            linear[:n, :d] = linear[n:, d:] = phi.T
+            decoder, decoder_powers = fit_remainder(z, reach, exponents(2 * d, 2, self.order_decoder), x, linear)
+        with monitor.phase("dynamics"):
+            rate = np.concatenate([z[:, d:], training.joined("acceleration") @ encoder.T], axis=1)
+            dynamics, powers = fit_remainder(z, reach, exponents(2 * d, 2, self.order_dynamics), rate, linear_dynamics(structure, d))
+        return PolynomialRom(reach, encoder, reach, decoder, decoder_powers, dynamics, powers, phi)

@@ -1,0 +1,110 @@
+"""Which code made a result: a digest of the modules behind it, and the versions of the packages that they compute with.
+
+A rule names its entry modules. Everything of vibrom that these import, directly or not, is behind the result, and so
+are the package `__init__` files on the way. The digest is taken of the parsed source: comments, docstrings and
+layout change nothing, code changes it. Packages count when one of those modules imports them, so that a new mlflow
+does not train a network again. Packages that only carry data (`CARRIERS`) are recorded in the artefact and make
+nothing run again.
+"""
+
+import ast
+import hashlib
+import json
+import sys
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from vibrom.plugs import is_module, is_package, tree
+
+DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
+CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
+
+
+@cache
+def imports(module: str) -> frozenset[str]:
+    """Every module that the source of `module` imports, of vibrom and of others, anywhere in the file."""
+    package = module.split(".") if is_package(module) else module.split(".")[:-1]
+    found: set[str] = set()
+    for node in ast.walk(tree(module)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            parts = package[: len(package) - node.level + 1] if node.level else []
+            home = ".".join(parts + ([node.module] if node.module else []))
+            found.add(home)
+            found |= {f"{home}.{alias.name}" for alias in node.names if is_module(f"{home}.{alias.name}")}
+    return frozenset(found)
+
+
+@cache
+def modules_behind(*entries: str) -> frozenset[str]:
+    """`entries` and all modules of vibrom that they reach by imports."""
+    todo, seen = list(entries), set()
+    while todo:
+        module = todo.pop()
+        if module in seen:
+            continue
+        seen.add(module)
+        parts = module.split(".")
+        todo += [".".join(parts[:length]) for length in range(1, len(parts))]
+        todo += [name for name in imports(module) if name.split(".")[0] == "vibrom" and is_module(name)]
+    return frozenset(seen)
+
+
+@cache
+def module_digest(module: str) -> str:
+    """sha256 of the parsed source."""
+    return hashlib.sha256(ast.dump(tree(module)).encode()).hexdigest()
+
+
+def digest(*entries: str) -> str:
+    """sha256 over all modules behind `entries`, 16 hex digits."""
+    whole = hashlib.sha256()
+    for module in sorted(modules_behind(*entries)):
+        whole.update(f"{module} {module_digest(module)}\n".encode())
+    return whole.hexdigest()[:16]
+
+
+def packages(*entries: str) -> frozenset[str]:
+    """The third-party packages that the modules behind `entries` import."""
+    roots = {name.split(".")[0] for module in modules_behind(*entries) for name in imports(module)}
+    return frozenset(roots - set(sys.stdlib_module_names) - {"vibrom", ""})
+
+
+@cache
+def installed(package: str) -> str | None:
+    """The version of an import package, read from its metadata."""
+    try:
+        return version(DISTRIBUTION.get(package, package))
+    except PackageNotFoundError:
+        return None
+
+
+def versions(names) -> dict[str, str]:
+    return {DISTRIBUTION.get(name, name): found for name in sorted(names) if (found := installed(name))}
+
+
+@cache
+def attributes(*entries: str) -> dict[str, str]:
+    """What a rule passes on to its artefact, and runs again for when it changes."""
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return {
+        "source_digest": digest(*entries),
+        "versions": json.dumps({"python": python, **versions(packages(*entries) - CARRIERS)}, sort_keys=True),
+    }
+
+
+def script_attributes(path: str | Path, names: tuple[str, ...]) -> dict[str, str]:
+    """`attributes` of a script outside vibrom that computes with these packages."""
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return {
+        "source_digest": hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16],
+        "versions": json.dumps({"python": python, **versions(names)}, sort_keys=True),
+    }
+
+
+def completed(stored: dict[str, str]) -> dict[str, str]:
+    """`attributes` as the artefact keeps them: with the packages that carry the data in the process that writes it."""
+    carried = versions({"vibrom", "xarray", "netCDF4"})
+    return stored | {"versions": json.dumps(json.loads(stored["versions"]) | carried, sort_keys=True)}

@@ -1,0 +1,1 @@
+"""From datasets to tables, figures, the report page and the headline."""

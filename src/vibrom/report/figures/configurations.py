@@ -1,0 +1,36 @@
+"""The release states of all scenes in one picture, coloured by the size of the displacement (figure 2.1)."""
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from vibrom.report.figures import body, panels
+from vibrom.report.figures.states import states
+
+
+def draw(collection, scores, scene=None) -> Figure:
+    figure = Figure(figsize=(6.2, 4.1))
+    axes = figure.subplots()
+    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    found = states(collection)
+    if not found:
+        panels.words(axes, "no release states in this run")
+        return figure
+    largest = max(body.magnitude(state.structure, state.displacement).max() for state in found)
+    rest = found[0].structure
+    for loop in body.outlines(rest, np.zeros(rest.sizes["dof"])):
+        axes.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
+    for state in found:
+        corners = list(body.quadrilaterals(state.structure, state.displacement))
+        cells = PolyCollection(corners, array=body.magnitude(state.structure, state.displacement), clim=(0, largest),
+                               cmap="viridis", linewidth=0.15, edgecolor="face")
+        axes.add_collection(cells)
+        moved = body.displacement(state.structure, state.displacement)
+        free_end = np.argmax(np.linalg.norm(moved, axis=1))
+        place = state.structure["node"].values[free_end] + moved[free_end]
+        axes.annotate(f"{state.at('probe'):.4g} m", place, xytext=(4, 4), textcoords="offset points", fontsize=6.5)
+    axes.autoscale_view()
+    axes.margins(x=0.12, y=0.08)
+    bar = figure.colorbar(cells, ax=axes, shrink=0.8)
+    bar.set_label("size of the displacement [m]")
+    return figure

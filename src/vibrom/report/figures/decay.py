@@ -1,0 +1,28 @@
+"""The test decay at the probe, every method against the full order (figures 3.5, 3.6 and 3.7)."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report.collection import at_probe
+from vibrom.report.figures import panels, style
+
+
+def draw(collection, scores, scene) -> Figure:
+    figure, axes = panels.grid(max(1, len(collection.methods)), columns=2, size=(4.4, 1.65), legend=0.45, sharex=True)
+    figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
+    for panel, method in zip(axes, collection.methods):
+        seed, decay = panels.drawn(collection, scores, scene, method, "decay")
+        panel.set(title=panels.title(method, seed, scores.value(scene, method, seed, "decay", "nmte_percent")),
+                  xlabel="time [s]", ylabel="probe [m]")
+        panel.tick_params(labelbottom=True)
+        if decay is not None and np.isfinite(at_probe(decay, "probe_true")).any():
+            true, predicted = at_probe(decay, "probe_true"), at_probe(decay, "probe_displacement")
+            time, true, predicted = panels.thinned(decay["time"].values, true, predicted, limit=1500)
+            panel.plot(time, true, **style.TRUE | {"linewidth": 1.6}, label="full order")
+            panel.plot(time, predicted, **style.PREDICTED, label="reduced model")
+            panels.breathe(panel, true)
+        if text := panels.ending(decay, "decay"):
+            panels.words(panel, text, place="above")
+    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
+    figure.legend(*handles, loc="outside lower center", ncols=2)
+    return figure

@@ -1,0 +1,69 @@
+"""Forced motion at the probe: the envelope of the whole run, and beside it the last period (figure 3.9)."""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report.collection import FULL_ORDER, at_probe, scalar
+from vibrom.report.figures import panels, style
+
+
+def draw(collection, scores, scene) -> Figure:
+    methods = collection.methods
+    columns, rows = min(2, max(1, len(methods))), max(1, math.ceil(len(methods) / 2))
+    figure = Figure(figsize=(columns * 4.6, rows * 1.75 + 0.5))
+    cells = figure.add_gridspec(rows, columns)
+    truth = collection.find(scene, FULL_ORDER, "forced")
+    forcing = float(scalar(truth, "forcing"))
+    heading = f"{scene}, forcing {forcing:g}" if np.isfinite(forcing) else scene
+    figure.suptitle(heading, fontsize=8, x=0.01, ha="left", style="italic")
+    handles = ([], [])
+    for place, method in enumerate(methods or [""]):
+        cell = cells[place // columns, place % columns].subgridspec(1, 2, width_ratios=(2.2, 1))
+        whole, last = cell.subplots(sharey=True)
+        seed, run = panels.drawn(collection, scores, scene, method, "forced")
+        whole.set(title=panels.title(method, seed, scores.value(scene, method, seed, "forced", "nmte_percent")),
+                  xlabel="time [s]", ylabel="probe [m]")
+        last.set(xlabel="last period [s]", ylabel="probe [m]")
+        last.yaxis.label.set_visible(False)
+        compare(whole, last, truth, run)
+        if text := panels.ending(run, "forced run"):
+            panels.words(whole, text, place="above")
+        handles = whole.get_legend_handles_labels() if len(whole.lines) > 0 else handles
+    figure.legend(*handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def envelope(time: np.ndarray, values: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Middle [s], smallest and largest value of each period that has one."""
+    bins = np.floor((time - time[0]) / period).astype(int)
+    good = np.isfinite(values)
+    numbers, sizes = np.unique(bins[good], return_counts=True)
+    numbers = numbers[2 * sizes >= sizes.max()]  # the last sample of a run begins a period that it does not fill
+    lows = np.array([values[good & (bins == k)].min() for k in numbers])
+    highs = np.array([values[good & (bins == k)].max() for k in numbers])
+    return time[0] + (numbers + 0.5) * period, lows, highs
+
+
+def compare(whole, last, truth, run) -> None:
+    """Full order pale, the model thin and dashed, in both panels."""
+    period = float(scalar(truth, "period", scalar(run, "period")))
+    if not np.isfinite(period):
+        return
+    end = max((float(data["time"].values[-1]) for data in (truth, run) if data is not None), default=0.0)
+    for data, line, name in ((truth, style.TRUE, "full order"), (run, style.PREDICTED, "reduced model")):
+        values = at_probe(data, "probe_displacement") if data is not None else None
+        if values is None or not np.isfinite(values).any():
+            continue
+        time = data["time"].values
+        middle, low, high = envelope(time, values, period)
+        if name == "full order":
+            whole.fill_between(middle, low, high, color="0.88", linewidth=0)
+            panels.breathe(whole, values, margin=0.25)
+        whole.plot(middle, low, **line)
+        whole.plot(middle, high, **line, label=name)
+        late = time >= end - period * (1 + 1e-9)
+        last.plot(time[late], values[late], **line)
+    last.set_xlim(end - period, end)
+    last.locator_params(axis="x", nbins=2)

@@ -1,0 +1,57 @@
+"""Loss histories of the methods that train: totals and their terms, on training and test data (figure 3.3)."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from vibrom.report import thesis
+from vibrom.report.figures import panels, style
+
+
+def draw(collection, scores, scene) -> Figure:
+    histories, without = [], []
+    for method in collection.methods:
+        seed, losses = panels.drawn(collection, scores, scene, method, "losses")
+        if losses is None or losses.sizes.get("epoch", 0) == 0 or not np.isfinite(losses["train_total"].values).any():
+            without.append(thesis.label(method))
+        else:
+            histories.append((method, seed, losses))
+    figure, axes = panels.grid(max(1, len(histories)), columns=2, size=(4.1, 2.2), legend=0.7)
+    terms = list(dict.fromkeys(term for _, _, losses in histories for term in names(losses)))
+    handles: dict[str, Line2D] = {}
+    for panel, (method, seed, losses) in zip(axes, histories):
+        handles = curves(panel, losses, terms) | handles
+        panel.set(title=panels.title(method, seed), yscale="log")
+    for panel in axes:
+        panel.set(xlabel="epoch [–]", ylabel="loss [–]")
+    if not histories:
+        panels.words(axes[0], "no method of this run has a loss history")
+    note = f"{scene}. No loss history, nothing is trained by epochs: {', '.join(without)}." if without else scene
+    figure.suptitle(note, fontsize=7.5, x=0.01, ha="left", style="italic")
+    order = sorted(handles, key=lambda name: (not name.startswith("total"), name))
+    figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=4)
+    return figure
+
+
+def names(losses) -> list[str]:
+    """Terms of the loss, without the total."""
+    training = [str(name) for name in losses.data_vars if str(name).startswith("train_")]
+    return [name.removeprefix("train_") for name in training if name != "train_total"]
+
+
+def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
+    """Totals dark, terms thin; training solid, test dashed; colour and marker tell terms apart, alike in all panels."""
+    epoch, handles = losses["epoch"].values, {}
+    for role, dashes, said in (("train", "-", "training"), ("test", (0, (4, 1.5)), "test")):
+        for index, term in enumerate(["total", *terms]):
+            if f"{role}_{term}" not in losses:
+                continue
+            line = {"color": "black", "linewidth": 1.3, "linestyle": dashes}
+            if term != "total":
+                every = max(1, len(epoch) // 6)
+                first = every * index // (len(terms) + 2)
+                line = style.look(index - 1, linestyle=dashes, linewidth=0.7, markersize=3.2, markevery=(first, every))
+            values = losses[f"{role}_{term}"].values
+            line["label"] = f"{term.replace('_', ' ')}, {said}"
+            handles[line["label"]] = panel.plot(epoch, np.where(values > 0, values, np.nan), **line)[0]
+    return handles

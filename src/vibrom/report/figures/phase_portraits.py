@@ -1,0 +1,46 @@
+"""The decay in reduced coordinates: the encoded truth and the model's own path (figure 3.4).
+
+Of r reduced coordinates the first is drawn against number r/2 + 1: position against velocity for second-order models.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report.figures import panels, style
+
+
+def draw(collection, scores, scene) -> Figure:
+    figure, axes = panels.grid(max(1, len(collection.methods)), columns=3, size=(2.7, 2.5), legend=0.45)
+    figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
+    for panel, method in zip(axes, collection.methods):
+        seed, decay = panels.drawn(collection, scores, scene, method, "decay")
+        panel.set(title=panels.title(method, seed), xlabel="$z$ [–]", ylabel=r"$\dot z$ [1/s]")
+        if decay is not None and "encoded" in decay:
+            portrait(panel, decay)
+        if text := panels.ending(decay, "decay"):
+            panels.words(panel, text, place="below")
+    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
+    figure.legend(*handles, loc="outside lower center", ncols=2)
+    return figure
+
+
+def portrait(panel, decay) -> None:
+    size = decay.sizes["coordinate"]
+    pair = [0, size // 2] if size > 1 else [0, 0]
+    true, predicted = (decay[name].transpose("coordinate", "time").values[pair] for name in ("encoded", "reduced"))
+    panel.plot(*panels.thinned(*true, limit=2000), **style.TRUE | {"linewidth": 1.5}, label="true trajectory, encoded")
+    fine = style.PREDICTED | {"linewidth": 0.45, "linestyle": "-"}
+    panel.plot(*panels.thinned(*predicted, limit=2000), **fine, label="predicted by the model")
+    given = "coordinate_units" in decay.variables
+    units = [str(unit) for unit in decay["coordinate_units"].values[pair]] if given else ["–", "1/s"]
+    names = (f"$z_{{{pair[0] + 1}}}$", f"$z_{{{pair[1] + 1}}}$") if size != 2 else ("$z$", r"$\dot z$")
+    panel.set(xlabel=f"{names[0]} [{units[0]}]", ylabel=f"{names[1]} [{units[1]}]")
+    if np.isfinite(true).any():
+        panel.set_xlim(*padded(true[0]))
+        panel.set_ylim(*padded(true[1]))
+
+
+def padded(values: np.ndarray) -> tuple[float, float]:
+    """Limits from the truth, so that a model that ran away does not hide it."""
+    largest = 1.35 * max(float(np.nanmax(np.abs(values))), 1e-300)
+    return -largest, largest

@@ -1,0 +1,30 @@
+"""The decays to learn from and to be tested on, at the probe (figure 3.2)."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report.collection import FULL_ORDER, at_probe
+from vibrom.report.figures import panels
+
+LINES = {
+    "train": {"color": "0.55", "linewidth": 1.0, "label": "training"},
+    "test": {"color": "#004c7a", "linewidth": 0.8, "linestyle": (0, (5, 1.2)), "label": "test"},
+}
+
+
+def draw(collection, scores, scene=None) -> Figure:
+    figure, axes = panels.grid(max(1, len(collection.scenes)), columns=3, size=(3.1, 2.3), legend=0.25)
+    for panel, name in zip(axes, collection.scenes):
+        panel.set(title=name, xlabel="time [s]", ylabel="probe displacement [m]")
+        said = []
+        for role, line in LINES.items():
+            run = collection.find(name, FULL_ORDER, role)
+            if run is not None and np.isfinite(at_probe(run, "probe_displacement")).any():
+                panel.plot(*panels.thinned(run["time"].values, at_probe(run, "probe_displacement"), limit=2400), **line)
+            if text := panels.ending(run, f"{role} run"):
+                said.append(f"{role}: {text}" if run is not None else text)
+        if said:
+            panels.words(panel, "\n".join(said))
+    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
+    figure.legend(*handles, loc="outside lower center", ncols=2)
+    return figure

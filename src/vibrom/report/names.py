@@ -1,0 +1,46 @@
+"""The names of all tables and figures in reading order: the one list behind the workflow, the steps and the page."""
+
+TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc")
+TABLE_FORMATS = ("csv", "tex", "html")
+FIGURE_FORMATS = ("svg", "pdf", "png")
+
+# One figure for the run, or one for each scene (named <group>_<scene>); the order is that of chapter 3 of the thesis.
+GROUPS = {
+    "accuracy_cost": "run",
+    "configurations": "run",
+    "release_states": "run",
+    "trajectories": "run",
+    "losses": "scene",
+    "phase_portraits": "scene",
+    "decay": "scene",
+    "backbones": "run",
+    "forced": "scene",
+    "final_shapes": "run",
+    "blow_up": "run",
+    "frc_amplitude": "run",
+    "frc_phase": "run",
+}
+
+
+def figures(scenes) -> list[str]:
+    """Names of the figures of a run over these scenes."""
+    found = []
+    for group, each in GROUPS.items():
+        found += [group] if each == "run" else [f"{group}_{scene}" for scene in scenes]
+    return found
+
+
+def split(figure: str) -> tuple[str, str | None]:
+    """Group and scene of a figure's name; scene None for a figure of the whole run."""
+    if GROUPS.get(figure) == "run":
+        return figure, None
+    for group, each in GROUPS.items():
+        if each == "scene" and figure.startswith(f"{group}_"):
+            return group, figure.removeprefix(f"{group}_")
+    raise ValueError(f"figure {figure!r}: unknown; choose from {', '.join(figures(['<scene>']))}")
+
+
+def captions(scenes) -> list[str]:
+    """Caption files of a run, below the folder of captions."""
+    groups = dict.fromkeys(split(name)[0] for name in figures(scenes))
+    return [*(f"tables/{name}.rst" for name in TABLES), *(f"figures/{group}.rst" for group in groups)]

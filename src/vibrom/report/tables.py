@@ -1,0 +1,119 @@
+"""The tables of a run: a row for each case and model, units in the column names, the thesis's numbers beside ours.
+
+Over seeds: median, and `_min`, `_max`; how failed seeds count is said in `vibrom.report.scores`. `outcome` tells how
+many seeds ended how.
+"""
+
+import numpy as np
+import pandas as pd
+
+from vibrom.report import beam, curves, thesis
+from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, scalar
+from vibrom.report.scores import Scores, Spread, tally
+
+
+def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
+    """The table of this name, numbers as numbers."""
+    builders = {
+        "beam": lambda: beam.table(collection),
+        "eigenvalues": lambda: eigenvalues(collection, scores),
+        "reconstruction": lambda: errors("reconstruction", "test", collection, scores),
+        "decay": lambda: errors("decay", "test", collection, scores),
+        "forced": lambda: errors("forced", "forced", collection, scores),
+        "run_times": lambda: run_times(collection, scores),
+        "frc": lambda: curves.table(collection),
+    }
+    if name not in builders:
+        raise ValueError(f"table {name!r}: unknown; choose from {', '.join(builders)}")
+    return builders[name]()
+
+
+def outcome(collection: Collection, scores: Scores, scene: str, method: str, experiment: str) -> str:
+    """What became of the seeds; a model that was not asked says why, if its fit knows."""
+    found = scores.outcome(scene, method, experiment)
+    if found != "not run":
+        return found
+    fits = [collection.find(scene, method, "rom", seed) for seed in collection.seeds(scene, method)]
+    bad = [str(scalar(fit, "outcome", "ok")) for fit in fits if str(scalar(fit, "outcome", "ok")) != "ok"]
+    return tally(bad) if bad else found
+
+
+def spread_columns(stem: str, values: Spread) -> dict[str, float]:
+    return {stem: values.median, f"{stem}_min": values.minimum, f"{stem}_max": values.maximum}
+
+
+def errors(experiment: str, reference: str, collection: Collection, scores: Scores) -> pd.DataFrame:
+    """NMTE [%] of one experiment. The full-order model is the reference: zero where its own run went well."""
+    rows = []
+    for scene in collection.scenes:
+        run = collection.find(scene, FULL_ORDER, reference)
+        ended = str(scalar(run, "outcome", "not run"))
+        zero = Spread(*[0.0 if ended == "ok" else np.nan] * 3)
+        row = {"case": scene, "method": FULL_ORDER, **spread_columns("nmte_percent", zero)}
+        row |= {"thesis_percent": np.nan, "thesis_outcome": ""}
+        row |= spread_columns("amplitude_error_percent", zero) if experiment == "forced" else {}
+        rows.append(row | {"seeds": 1, "outcome": ended, "failed_at_s": float(scalar(run, "failed_at"))})
+        for method in collection.methods:
+            seeds = collection.seeds(scene, method)
+            published, verdict = thesis.percent(experiment, scene, method)
+            row = {"case": scene, "method": method}
+            row |= spread_columns("nmte_percent", scores.spread(scene, method, experiment, "nmte_percent"))
+            row |= {"thesis_percent": published, "thesis_outcome": verdict}
+            if experiment == "forced":
+                error = scores.spread(scene, method, experiment, "amplitude_error_percent")
+                row |= spread_columns("amplitude_error_percent", error)
+            row |= {"seeds": len(seeds), "outcome": outcome(collection, scores, scene, method, experiment)}
+            times = [float(scalar(collection.find(scene, method, experiment, seed), "failed_at")) for seed in seeds]
+            row["failed_at_s"] = min((time for time in times if np.isfinite(time)), default=np.nan)
+            rows.append(row)
+    frame = pd.DataFrame(rows)
+    return frame.drop(columns="failed_at_s") if experiment == "reconstruction" else frame
+
+
+def eigenvalues(collection: Collection, scores: Scores) -> pd.DataFrame:
+    """The first pair of eigenvalues of the linear part at rest: real part [1/s], imaginary part [rad/s]."""
+    rows = []
+    for scene in collection.scenes:
+        for model in [FULL_ORDER, *collection.methods]:
+            if model == FULL_ORDER:
+                pair = collection.find(scene, FULL_ORDER, "eigenvalues")
+                parts = [float(pair[part].values[0]) if pair is not None else np.nan for part in ("real", "imaginary")]
+                real, imaginary = (Spread(part, part, part) for part in parts)
+                seeds, ended = 1, str(scalar(pair, "outcome", "ok" if pair is not None else "not run"))
+            else:
+                real = scores.spread(scene, model, "eigenvalues", "real_per_s", worst=False)
+                imaginary = scores.spread(scene, model, "eigenvalues", "imaginary_rad_per_s", worst=False)
+                seeds = len(collection.seeds(scene, model))
+                ended = outcome(collection, scores, scene, model, "eigenvalues")
+            row: dict = {"case": scene, "method": model}
+            row |= spread_columns("real_per_s", real) | spread_columns("imaginary_rad_per_s", imaginary)
+            row["thesis_real_per_s"], row["thesis_imaginary_rad_per_s"] = thesis.eigenvalue(scene, model)
+            rows.append(row | {"seeds": seeds, "outcome": ended})
+    return pd.DataFrame(rows)
+
+
+def run_times(collection: Collection, scores: Scores) -> pd.DataFrame:
+    """Wall time [s] of every step, offline and online."""
+    rows = []
+    for scene in collection.scenes:
+        for model in [FULL_ORDER, *collection.methods]:
+            row: dict = {"case": scene, "method": model}
+            for quantity in thesis.RUN_TIMES:
+                row |= spread_columns(quantity, seconds(collection, scores, scene, model, quantity))
+            row |= {f"thesis_{quantity}": thesis.run_time(quantity, scene, model) for quantity in thesis.RUN_TIMES}
+            own = collection.find(scene, FULL_ORDER, "run_times") if model == FULL_ORDER else None
+            row["seeds"] = 1 if model == FULL_ORDER else len(collection.seeds(scene, model))
+            row["outcome"] = (str(scalar(own, "outcome", "ok" if own is not None else "not run")) if model == FULL_ORDER
+                              else outcome(collection, scores, scene, model, "run_times"))
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def seconds(collection: Collection, scores: Scores, scene: str, model: str, quantity: str) -> Spread:
+    """One run time over seeds; the full-order model's comes from its own dataset."""
+    if model != FULL_ORDER:
+        return scores.spread(scene, model, "run_times", quantity, worst=False)
+    times = collection.find(scene, FULL_ORDER, "run_times", UNSEEDED)
+    names = [str(name) for name in times["score"].values] if times is not None else []
+    value = float(times["score_value"].values[names.index(quantity)]) if quantity in names else np.nan
+    return Spread(value, value, value)

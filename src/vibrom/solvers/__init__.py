@@ -1,0 +1,1 @@
+"""Time integration. Solvers see operators and vector fields, never finite elements."""

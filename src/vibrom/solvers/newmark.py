@@ -1,0 +1,164 @@
+"""Implicit Newmark integration of  M a + C v + K q + sum f(q, v) = p u(t), many states side by side.
+
+    q_{k+1} = q_k + h v_k + h^2 [(1/2 - beta) a_k + beta a_{k+1}],    v_{k+1} = v_k + h [(1 - gamma) a_k + gamma a_{k+1}]
+    gamma = 1/2 + alpha,  beta = (1 + alpha)^2 / 4
+
+Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step
+solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u|), keeping the factor of the tangent as long
+as the residual falls fast. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
+forces the operator is factorised once and each step is one solve.
+"""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
+from vibrom.solvers import banded, sparse
+from vibrom.solvers.newmark_loop import newmark_loop
+from vibrom.term import Term
+
+WIDTH = 8  # states side by side: one AVX-512 register of doubles
+
+
+@dataclass(frozen=True)
+class Newmark:
+    alpha: float = 0.0
+    tolerance: float = 1e-6
+    max_iterations: int = 25
+    refresh: float = 0.2  # factorise the tangent anew when one iteration leaves more than this part of the residual
+    widest_band: int = 400  # beyond it a sparse factorisation costs less
+
+    def run(self, term: Term, displacement: np.ndarray, step: np.ndarray, steps: int, *, velocity: np.ndarray | None = None,
+            signal: np.ndarray | None = None, initial_acceleration: str = "equilibrium", record: Record | None = None,
+            progress: Callable[[int], None] | None = None) -> Motion:
+        """Integrate `displacement` (n, s) [m] over `steps` steps of `step` (s,) [s]; `signal` (steps + 1, s) is u at every instant."""
+        n, states = displacement.shape
+        record = record or Record()
+        out = record.allocate(n, states, steps)
+        half = max(banded.half_bandwidth(part) for part in (term.mass, term.damping, term.stiffness) if part is not None)
+        for force in term.forces:
+            slots = np.where(force.dofs < 0, np.nan, force.dofs.astype(float))
+            half = max(half, int(np.nanmax(np.nanmax(slots, axis=1) - np.nanmin(slots, axis=1))))
+        integrate = sparse.run if half > self.widest_band else _run_banded
+        first = 0
+        while first < states:
+            # One or two states left over cost less one by one than a batch filled up with copies.
+            width = WIDTH if states - first > 2 and integrate is not sparse.run else 1
+            chosen = np.minimum(np.arange(first, first + width), states - 1)  # the last state fills the batch
+            q, v = (np.ascontiguousarray(array[:, chosen], dtype=float) for array in
+                    (displacement, np.zeros_like(displacement) if velocity is None else velocity))
+            u = np.zeros((steps + 1, width)) if signal is None else np.ascontiguousarray(signal[:, chosen], dtype=float)
+            integrate(self, term, half, q, v, np.ascontiguousarray(step[chosen], dtype=float), u, initial_acceleration, record, out,
+                      slice(first, min(first + width, states)), progress)
+            first += width
+        out.failed_at *= step
+        return out
+
+
+@dataclass(frozen=True)
+class Record:
+    """What to keep: all dofs at every `every`-th step from step `start`, `probes` at every step from `probe_start`."""
+
+    every: int = 1
+    start: int = 0
+    probes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    probe_start: int = 0
+
+    def allocate(self, n: int, states: int, steps: int) -> Motion:
+        kept = np.arange(self.start, steps + 1, self.every)
+        shape = (states, len(kept), n)
+        return Motion(kept, *(np.full(shape, np.nan) for _ in range(3)),
+                      np.full((states, len(self.probes), max(steps + 1 - self.probe_start, 0)), np.nan), np.full(states, np.nan))
+
+
+@dataclass
+class Motion:
+    """kept (m,) step numbers; displacement, velocity, acceleration (states, m, n); probes (states, k, steps); failed_at (states,) [s], NaN
+    where it converged throughout; seconds of wall time, compilation excluded; iterations and factorisations in all."""
+
+    kept: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    probes: np.ndarray
+    failed_at: np.ndarray
+    seconds: float = 0.0
+    iterations: int = 0
+    factorisations: int = 0
+
+    @property
+    def outcomes(self) -> list[str]:
+        return ["ok" if np.isnan(at) else "no_convergence" for at in self.failed_at]
+
+
+def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initial: str, record: Record, out: Motion, where: slice, progress) -> None:
+    n, width = q.shape
+    multiply_add, cholesky, solve = banded.kernels(width)
+    kernels = [force.kernels(width) for force in term.forces]
+    loop = newmark_loop(width, len(kernels))
+    started = time.perf_counter()
+    gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
+    empty = np.zeros((0, 0))
+    mass, damping, stiffness = (empty if part is None else banded.to_band(part, half) for part in (term.mass, term.damping, term.stiffness))
+    base = mass[:, :, None] + np.zeros(width)
+    if damping.size:
+        base = base + gamma * h * damping[:, :, None]
+    if stiffness.size:
+        base = base + beta * h**2 * stiffness[:, :, None]
+    load = np.zeros(n) if term.load is None else np.ascontiguousarray(term.load)
+    a = np.zeros_like(q)
+    if initial == "equilibrium":
+        a = load[:, None] * signal[0]
+        for band, x in ((damping, v), (stiffness, q)):
+            if band.size:
+                multiply_add(-band, x, a)
+        f = np.zeros_like(q)
+        for force, (kernel, _) in zip(term.forces, kernels):
+            kernel(q, v, force.dofs, force.table, f)
+        a -= f
+        factor = mass[:, :, None] + np.zeros(width)
+        cholesky(factor)
+        solve(factor, a)
+    factor = np.array(base)
+    if not kernels:
+        cholesky(factor)
+    state = np.stack([q, v, a, a, a])  # displacement, velocity, acceleration now, one step and two steps before
+    dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
+    slots = tuple(banded.band_slots(force.dofs, half) for force in term.forces)
+    failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
+    numbers = np.array([gamma, beta, settings.tolerance, settings.refresh])
+    live = where.stop - where.start
+    steps, chunk = len(signal) - 1, 2000
+    stores = [np.zeros((chunk // record.every + 2, n, width)) for _ in range(3)]
+    probe_store = np.zeros((chunk + 1, len(record.probes), width))
+    for first in range(0, steps, chunk):
+        last = min(first + chunk, steps)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
+            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor,
+                          multiply_add, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
+                          failed, counts, record.every, record.start, record.probes, *stores, probe_store)
+        begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
+        for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):
+            target[where, begin:begin + stored] = store[:stored, :, :live].transpose(2, 0, 1)
+        instants = np.arange(first if first == 0 else first + 1, last + 1)
+        wanted = instants >= record.probe_start
+        out.probes[where, :, instants[wanted] - record.probe_start] = probe_store[instants[wanted] - first, :, :live].transpose(2, 1, 0)
+        if progress is not None:
+            progress((last - first) * live)
+    for index in range(live):
+        if failed[index] >= 0:
+            out.failed_at[where.start + index] = failed[index]
+            out.displacement[where.start + index, out.kept >= failed[index]] = np.nan
+            out.velocity[where.start + index, out.kept >= failed[index]] = np.nan
+            out.acceleration[where.start + index, out.kept >= failed[index]] = np.nan
+            out.probes[where.start + index, :, max(failed[index] - record.probe_start, 0):] = np.nan
+    out.seconds += time.perf_counter() - started
+    out.iterations += int(counts[0])
+    out.factorisations += int(counts[1])

@@ -1,0 +1,141 @@
+"""The compiled time loop of `newmark`: no Python between two records.
+
+Compiled once for each number of states side by side and each number of forces; the kernels arrive as function pointers, so that
+adding an effect compiles that effect and nothing else.
+"""
+
+import warnings
+from functools import cache
+
+import numpy as np
+from numba import njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
+from vibrom.term import FORCE, TANGENT
+
+_f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
+_i1, _i2 = types.int64[::1], types.int64[:, ::1]
+_MULTIPLY = types.FunctionType(types.void(_f2, _f2, _f2))
+_CHOLESKY = types.FunctionType(types.void(_f3))
+_SOLVE = types.FunctionType(types.void(_f3, _f2))
+
+
+@cache
+def newmark_loop(width: int, forces: int):
+    def each(item):
+        return types.UniTuple(item, forces) if forces else types.Tuple(())
+
+    signature = types.int64(
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _CHOLESKY, _SOLVE,
+        each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
+        _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
+
+    def loop(state, h, numbers, max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor, multiply_add, cholesky, solve,
+             force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
+        """Advance `state` (5, n, width) from step `first` to `last`; returns how many records were stored.
+
+        `failed` holds the step at which each state stopped converging (-1: none); `counts` iterations, factorisations, whether a factor exists.
+        """
+        gamma, beta, tolerance, refresh = numbers[0], numbers[1], numbers[2], numbers[3]
+        n = state.shape[1]
+        q, v, a, before, earlier = state[0], state[1], state[2], state[3], state[4]
+        r, f, inertial = np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        squares, norm, previous, scale = np.empty((4, width)), np.empty(width), np.empty(width), np.empty(width)
+        scale_q, scale_v = beta * h * h, gamma * h
+        values = factor.reshape(factor.shape[0] * factor.shape[1], width)
+        stored = 0
+        for step in range(first, last + 1):
+            if step > first:
+                for i in range(n):
+                    for w in range(width):
+                        old = a[i, w]
+                        # The guess continues the acceleration by a parabola: one iteration then does for most steps.
+                        guess = 3.0 * (old - before[i, w]) + earlier[i, w] if forces else 0.0
+                        q[i, w] += h[w] * v[i, w] + h[w] * h[w] * ((0.5 - beta) * old + beta * guess)
+                        v[i, w] += h[w] * ((1.0 - gamma) * old + gamma * guess)
+                        earlier[i, w] = before[i, w]
+                        before[i, w] = old
+                        a[i, w] = guess
+                done = False
+                for iteration in range(max_iterations + 1):
+                    for i in range(n):
+                        for w in range(width):
+                            inertial[i, w] = 0.0
+                            f[i, w] = 0.0
+                    multiply_add(mass, a, inertial)
+                    if damping.size > 0:
+                        multiply_add(damping, v, inertial)
+                    if stiffness.size > 0:
+                        multiply_add(stiffness, q, f)
+                    for k in range(forces):
+                        force_kernels[k](q, v, dofs[k], tables[k], f)
+                    if forces:
+                        worst = 0.0
+                        slow = False
+                        done = True
+                        squares[:] = 0.0
+                        for i in range(n):
+                            for w in range(width):
+                                p = load[i] * signal[step, w]
+                                residual = p - inertial[i, w] - f[i, w]
+                                r[i, w] = residual
+                                squares[0, w] += residual * residual
+                                squares[1, w] += inertial[i, w] * inertial[i, w]
+                                squares[2, w] += f[i, w] * f[i, w]
+                                squares[3, w] += p * p
+                        for w in range(width):
+                            norm[w] = np.sqrt(squares[0, w])
+                            scale[w] = np.sqrt(squares[1, w]) + np.sqrt(squares[2, w]) + np.sqrt(squares[3, w])
+                        for w in range(width):
+                            if failed[w] >= 0:
+                                continue
+                            if not norm[w] <= tolerance * scale[w]:
+                                done = False
+                                if iteration > 0 and not norm[w] <= refresh * previous[w]:
+                                    slow = True
+                            previous[w] = norm[w]
+                        # The guess alone is an explicit step: at least one solve makes it implicit.
+                        if done and iteration > 0:
+                            break
+                        if iteration == max_iterations:
+                            break
+                        if slow or counts[2] == 0:
+                            factor[:] = base
+                            for k in range(forces):
+                                tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
+                            cholesky(factor)
+                            counts[1] += 1
+                            counts[2] = 1
+                    else:
+                        for i in range(n):
+                            for w in range(width):
+                                r[i, w] = load[i] * signal[step, w] - inertial[i, w] - f[i, w]
+                        done = True
+                    solve(factor, r)
+                    counts[0] += 1
+                    for i in range(n):
+                        for w in range(width):
+                            a[i, w] += r[i, w]
+                            v[i, w] += scale_v[w] * r[i, w]
+                            q[i, w] += scale_q[w] * r[i, w]
+                    if forces == 0:
+                        break
+                for w in range(width):
+                    if failed[w] < 0 and ((forces and not norm[w] <= tolerance * scale[w]) or not np.isfinite(a[0, w])):
+                        failed[w] = step
+                        counts[2] = 0
+                    if failed[w] >= 0:  # at rest from here on: it costs no iterations and cannot overflow
+                        for i in range(n):
+                            q[i, w] = v[i, w] = a[i, w] = before[i, w] = earlier[i, w] = 0.0
+            if step > first or first == 0:
+                if step >= start and (step - start) % every == 0:
+                    store_q[stored], store_v[stored], store_a[stored] = q, v, a
+                    stored += 1
+                for k in range(probes.shape[0]):
+                    for w in range(width):
+                        store_probe[step - first, k, w] = q[probes[k], w]
+        return stored
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        return njit([signature], cache=True, error_model="numpy")(loop)

@@ -1,0 +1,49 @@
+"""Artefacts -> one experiment's dataset: a question put to one model, whatever becomes of it."""
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from vibrom import experiments
+from vibrom.data import label, open_dataset, outcome_variables, save_dataset, scored, variable
+from vibrom.rollout import Integrator
+from vibrom.rom import rom_from_dataset
+
+KINDS = {"train": "trajectory", "test": "trajectory"}
+
+
+def run(*, output: str, experiment: str, scene_name: str, method: str, seed: int | None, integrator: dict, provenance: dict, **artefacts: str) -> None:
+    module, settings = experiments.load(experiment), Integrator(**integrator)
+    loaded = {name: open_dataset(path, KINDS.get(name, name)) for name, path in artefacts.items()}
+    unfit = str(loaded["rom"]["outcome"].item()) if "rom" in loaded else "ok"
+    if unfit != "ok":
+        prediction = nothing(experiment, unfit)
+    else:
+        if "rom" in loaded and experiment != "run_times":
+            loaded["rom"] = rom_from_dataset(loaded["rom"])
+            module.predict({**loaded, **_shortened(loaded)}, settings)  # warms caches up; what is timed is the second call
+        prediction = module.predict(loaded, settings)
+    save_dataset(label(prediction, experiment, scene=scene_name, method=method, seed=seed, settings=json.dumps(integrator, sort_keys=True)),
+                 output, provenance)
+
+
+def _shortened(loaded: dict) -> dict:
+    """The same artefacts with a few samples, two periods or one frequency."""
+    short = {}
+    for name, dims in (("test", {"time": slice(0, 50)}), ("forced", {"time": slice(0, 50), "last_time": slice(0, 1)}),
+                       ("frc", {"angular_frequency": slice(0, 1)})):
+        if name in loaded:
+            short[name] = loaded[name].isel({dim: part for dim, part in dims.items() if dim in loaded[name].dims})
+    if "forced" in short and "last_time" in short["forced"].dims:
+        short["forced"] = short["forced"].assign_coords(last_time=short["forced"]["time"].values[-1:])
+    if "frc" in short:
+        short["frc"] = short["frc"].assign_attrs(periods=1)
+    return short
+
+
+def nothing(experiment: str, outcome: str) -> xr.Dataset:
+    """The dataset of an experiment that could not be asked: NaN in every place, and the outcome of the fit."""
+    empty = {name: variable("nothing", np.zeros(0), "1", "nothing was predicted") for name in
+             ("error", "reduced", "probe_displacement", "amplitude", "phase", "angular_frequency", "real", "imaginary")}
+    return scored(xr.Dataset({**empty, **outcome_variables(outcome)}), {"nmte_percent": (float("nan"), "percent")})

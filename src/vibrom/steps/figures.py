@@ -1,0 +1,23 @@
+"""scores.csv and artefacts -> results/figures/<name>.svg, .pdf and .png."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from vibrom.report import names
+from vibrom.report.figures import draw
+from vibrom.report.figures.style import render
+from vibrom.report.scores import Scores
+from vibrom.steps._files import collection, write
+
+
+def run(*, scores: str, artefacts: list[str], figures: list[str], provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+    digest = (provenance or {}).get("source_digest", "unknown")
+    for name in dict.fromkeys(Path(path).stem for path in figures):
+        figure = draw(name, runs, values)
+        for path in (path for path in figures if Path(path).stem == name):
+            form = Path(path).suffix.removeprefix(".")
+            if form not in names.FIGURE_FORMATS:
+                raise ValueError(f"{path}: a figure is written as .{', .'.join(names.FIGURE_FORMATS)}; rename the output")
+            write(path, render(figure, form, digest))

@@ -1,0 +1,27 @@
+"""scores.csv and artefacts -> results/tables/<name>.csv, .tex and .html."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from vibrom.report import presentation
+from vibrom.report import tables as contract
+from vibrom.report.page import standalone
+from vibrom.report.scores import Scores
+from vibrom.steps._files import collection, write
+
+
+def run(*, scores: str, artefacts: list[str], tables: list[str], provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+    digest = (provenance or {}).get("source_digest", "unknown")
+    frames = {name: contract.build(name, runs, values) for name in dict.fromkeys(Path(path).stem for path in tables)}
+    for path in tables:
+        name, form = Path(path).stem, Path(path).suffix
+        if form == ".csv":
+            write(path, frames[name].to_csv(index=False, lineterminator="\n"))
+        elif form == ".tex":
+            write(path, f"% vibrom table {name}, source digest {digest}\n{presentation.to_tex(name, frames[name])}")
+        elif form == ".html":
+            write(path, standalone(f"vibrom: {name}", presentation.to_html(name, frames[name]), digest))
+        else:
+            raise ValueError(f"{path}: a table is written as .csv, .tex or .html; rename the output")

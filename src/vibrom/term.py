@@ -1,0 +1,71 @@
+"""What effects add up to:  M a + C v + K q + sum_i f_i(q, v) = p u(t).
+
+A Term holds the parts that are there; a part that no effect brings is None (or no force), never a zero matrix. Terms add with `+`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, types
+from scipy.sparse import csr_matrix
+
+# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv for the elements' lower triangles.
+_states = types.float64[:, ::1]
+_index = types.int64[:, ::1]
+_scale = types.float64[::1]
+FORCE = types.void(_states, _states, _index, _states, _states)
+TANGENT = types.void(_states, _states, _index, _states, _index, _scale, _scale, _states)
+
+
+def force_kernel(function):
+    """Compiles `function(q, v, dofs, table, f)`; kept on disk, so that a second process does not compile again."""
+    return njit([FORCE], cache=True, fastmath=True, error_model="numpy")(function)
+
+
+def tangent_kernel(function):
+    """Compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`."""
+    return njit([TANGENT], cache=True, fastmath=True, error_model="numpy")(function)
+
+
+@dataclass(frozen=True)
+class Force:
+    """A state-dependent force, element by element.
+
+    kernels   width -> (force, tangent), compiled for `width` states side by side, the state index last
+    dofs      (elements, d) free dof of each local dof, -1 where it is clamped
+    table     (elements, k) what the kernels know of each element
+    """
+
+    kernels: Callable[[int], tuple[Callable, Callable]]
+    dofs: np.ndarray
+    table: np.ndarray
+
+
+@dataclass(frozen=True)
+class Term:
+    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the signal]; elastic (3, 3) [N/m]:
+    stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness included."""
+
+    mass: csr_matrix | None = None
+    damping: csr_matrix | None = None
+    stiffness: csr_matrix | None = None
+    forces: tuple[Force, ...] = ()
+    load: np.ndarray | None = None
+    elastic: np.ndarray | None = None
+
+    def __add__(self, other: Term) -> Term:
+        def both(name: str):
+            mine, theirs = getattr(self, name), getattr(other, name)
+            return theirs if mine is None else mine if theirs is None else mine + theirs
+
+        return Term(both("mass"), both("damping"), both("stiffness"), self.forces + other.forces, both("load"), both("elastic"))
+
+    def require(self, part: str, effect: str, brought_by: str):
+        """The part of this name, or a ValueError that says which effect brings it."""
+        value = getattr(self, part)
+        if value is None:
+            raise ValueError(f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first")
+        return value

@@ -1,0 +1,39 @@
+"""A copy of the configuration to spoil, and Snakemake as a command."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).parents[2]
+
+
+def change(file: Path, key: str, value) -> None:
+    """Set one entry of a YAML file, by its dotted key; a value of `...` removes it."""
+    content = yaml.safe_load(file.read_text())
+    *above, last = key.split(".")
+    block = content
+    for name in above:
+        block = block[name]
+    if value is ...:
+        del block[last]
+    else:
+        block[last] = value
+    file.write_text(yaml.safe_dump(content, sort_keys=False))
+
+
+def copy(folder: Path, *names: str) -> Path:
+    """The configuration, the rules and the profile of the repository, free to edit, and what else is named."""
+    for name in ("config", "workflow", "profiles", *names):
+        shutil.copytree(ROOT / name, folder / name)
+    shutil.copy(ROOT / "Snakefile", folder)
+    return folder
+
+
+def command(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess:
+    """The command that the README names, in a folder."""
+    line = [str(Path(sys.executable).with_name("snakemake")), *arguments]
+    return subprocess.run(line, cwd=folder, capture_output=True, text=True, timeout=900, env=os.environ | environment)

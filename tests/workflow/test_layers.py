@@ -1,0 +1,20 @@
+"""Imports go downwards only: the contracts of pyproject.toml hold."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+
+def test_import_contracts(root):
+    command = [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"]
+    checked = subprocess.run(command, cwd=root, capture_output=True, text=True, timeout=120)
+    assert checked.returncode == 0, checked.stdout
+
+
+def test_planning_loads_no_numerical_package():
+    code = (
+        "import sys; from vibrom import settings, provenance, plugs, config_files; from vibrom.report import names; "
+        "print(*{'numpy', 'scipy', 'torch', 'xarray', 'skfem', 'numba', 'mlflow', 'pandas'} & set(sys.modules))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert loaded.stdout.split() == []

@@ -1,0 +1,103 @@
+"""What makes a result be made again: the code behind it, and nothing else."""
+
+import json
+import shutil
+
+import pytest
+
+from vibrom import plugs, provenance
+
+CACHED = [plugs.tree, provenance.imports, provenance.modules_behind, provenance.module_digest, provenance.attributes]
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A copy of the package to edit."""
+    copy = tmp_path / "vibrom"
+    shutil.copytree(plugs.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(plugs, "PACKAGE", copy)
+    yield copy
+    monkeypatch.undo()
+    forget()
+
+
+def forget():
+    for function in CACHED:
+        function.cache_clear()
+
+
+def digests() -> dict[str, str]:
+    """Of every method's fit, of every experiment, and of the other steps."""
+    forget()
+    found = {
+        f"fit {name}": provenance.digest("vibrom.steps.fit", f"vibrom.methods.{name}")
+        for name in plugs.names("methods")
+    }
+    found |= {
+        f"ask {name}": provenance.digest("vibrom.steps.experiment", f"vibrom.experiments.{name}")
+        for name in plugs.names("experiments")
+    }
+    return found | {
+        name: provenance.digest(f"vibrom.steps.{name}") for name in ("structure", "scores", "tables", "tracking")
+    }
+
+
+def changed(before: dict[str, str]) -> set[str]:
+    after = digests()
+    return {name for name in before if before[name] != after[name]}
+
+
+def rewrite(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def test_comments_docstrings_and_layout_change_nothing(package):
+    before = digests()
+    path = package / "methods/ssmlearn.py"
+    path.write_text("# A comment.\n\n" + path.read_text().replace('"""', '"""Another word. ', 1) + "\n\n# The end.\n")
+    assert changed(before) == set()
+
+
+def test_editing_a_method_touches_only_its_fit(package):
+    before = digests()
+    rewrite(package / "methods/ssmlearn.py", "order_dynamics: int = 3", "order_dynamics: int = 5")
+    assert changed(before) == {"fit ssmlearn"}
+
+
+def test_editing_an_experiment_touches_only_it(package):
+    before = digests()
+    (package / "experiments/decay.py").open("a").write("\nEXTRA = 1\n")
+    assert changed(before) == {"ask decay"}
+
+
+def test_editing_what_all_share_touches_all(package):
+    before = digests()
+    (package / "data.py").open("a").write("\nEXTRA = 1\n")
+    assert changed(before) == set(before)
+
+
+def test_editing_the_sink_retrains_nothing(package):
+    before = digests()
+    (package / "tracking.py").open("a").write("\nEXTRA = 1\n")
+    assert changed(before) == {"tracking"}
+
+
+def test_relative_and_lazy_imports_count(package):
+    (package / "methods/ssmlearn.py").open("a").write(
+        "\n\ndef later():\n    from ..solvers import banded\n    return banded\n"
+    )
+    forget()
+    behind = provenance.modules_behind("vibrom.methods.ssmlearn")
+    assert {"vibrom", "vibrom.methods", "vibrom.solvers", "vibrom.solvers.banded", "vibrom.rom"} <= behind
+
+
+def test_versions_are_those_of_the_packages_behind():
+    structure = json.loads(provenance.attributes("vibrom.steps.structure")["versions"])
+    assert {"python", "numpy", "scipy", "scikit-fem"} <= set(structure) and not {"torch", "mlflow", "xarray"} & set(
+        structure
+    )
+    assert "torch" in json.loads(provenance.attributes("vibrom.methods.split")["versions"])
+    stored = json.loads(provenance.completed(provenance.attributes("vibrom.steps.structure"))["versions"])
+    assert {"vibrom", "xarray", "netCDF4"} <= set(stored)

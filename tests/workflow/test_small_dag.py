@@ -1,0 +1,135 @@
+"""The whole workflow in miniature: all is made, nothing is made twice, and an edit makes its own jobs run again."""
+
+import json
+import re
+
+import pytest
+
+from project_copy import ROOT, command, copy
+from vibrom.data import KINDS, open_dataset
+from vibrom.report import names
+
+SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
+FITTED_ONCE = ("modal_projection", "ssmlearn", "pysindy_modal")
+EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
+SINKS = {"scores", "tables", "figures", "report", "tracking", "headline", "all"}
+
+
+class Run:
+    """A copy of the repository whose package can be edited."""
+
+    def __init__(self, folder):
+        self.folder = copy(folder, "src")
+        self.results = self.folder / "results"
+
+    def snakemake(self, *arguments):
+        overlay = ROOT / "tests/workflow/small_dag.yaml"
+        return command(self.folder, *arguments, "--configfile", str(overlay), PYTHONPATH=str(self.folder / "src"))
+
+    def planned(self) -> dict[str, int]:
+        """Rule -> number of jobs that a run would start."""
+        plan = self.snakemake("--dry-run", "--quiet", "rules")
+        assert plan.returncode == 0, plan.stdout + plan.stderr
+        table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
+        return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
+
+    def contents(self) -> dict:
+        return {path: path.read_bytes() for path in self.results.rglob("*.nc")}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    made = Run(tmp_path_factory.mktemp("small"))
+    answer = made.snakemake("--cores", "2")
+    assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
+    made.answer = answer
+    return made
+
+
+def test_every_artefact_is_there_and_says_what_made_it(run):
+    folders = [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]
+    for folder in folders:
+        for name in ("rom", "losses", *EXPERIMENTS):
+            data = open_dataset(run.results / "folding" / folder / f"{name}.nc", name)
+            assert data.attrs["scene"] == "folding" and data.attrs["method"] == folder.split("/")[0]
+            assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(data.attrs["versions"])
+    for path in (run.results / "folding/full_order").glob("*.nc"):
+        kind = {"train": "trajectory", "test": "trajectory"}.get(path.stem, path.stem)
+        assert kind in KINDS
+        open_dataset(path, kind)
+
+
+def test_every_table_figure_and_page_is_there(run):
+    wanted = [f"tables/{name}.{form}" for name in names.TABLES for form in names.TABLE_FORMATS]
+    wanted += [f"figures/{name}.{form}" for name in names.figures(["folding"]) for form in names.FIGURE_FORMATS]
+    for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
+        assert (run.results / name).stat().st_size > 0, name
+
+
+def test_the_run_ends_with_the_headline(run):
+    headline = (run.results / "headline.txt").read_text().splitlines()[0]
+    assert headline in run.answer.stdout
+
+
+def test_a_second_run_has_nothing_to_do(run):
+    again = run.snakemake("--cores", "2")
+    assert again.returncode == 0 and "Nothing to be done" in again.stdout + again.stderr
+
+
+def test_list_shows_one_rule_a_method(run):
+    listed = run.snakemake("--list").stdout.split()
+    assert {f"fit_{method}" for method in SEEDED + FITTED_ONCE} <= set(listed)
+
+
+def test_editing_a_method_runs_only_its_jobs_again(run):
+    path = run.folder / "src/vibrom/methods/ssmlearn.py"
+    before = path.read_text()
+    path.write_text("# A comment.\n" + before)
+    assert run.planned() == {}
+    path.write_text(before.replace("order_dynamics: int = 3", "order_dynamics: int = 5"))
+    jobs = run.planned()
+    path.write_text(before)
+    assert set(jobs) == {"fit_ssmlearn", *EXPERIMENTS, *SINKS} and set(jobs.values()) == {1}
+    assert run.planned() == {}
+
+
+def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
+    path = run.folder / "config/methods/split_plus.yaml"
+    before = path.read_text()
+    path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
+    jobs = run.planned()
+    path.write_text(before)
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *SINKS}
+
+
+def test_a_part_of_the_scene_runs_only_what_reads_it(run):
+    path = run.folder / "config/scenes/folding.yaml"
+    before = path.read_text()
+    path.write_text(before.replace("residual: 1.0e-6", "residual: 1.0e-7"))
+    timed = run.planned()
+    path.write_text(before.replace("description: ", "description: now "))
+    described = run.planned()
+    path.write_text(before)
+    assert "structure" not in timed and timed["full_order_decay"] == 2
+    assert described == {}
+
+
+@pytest.mark.parametrize(
+    "damage, says",
+    [(lambda whole: whole[:1000], "not a readable netCDF file"), (lambda whole: b"foreign", "not a readable")],
+)
+def test_a_damaged_artefact_is_one_line_and_leaves_the_others(run, damage, says):
+    path = run.results / "folding/full_order/train.nc"
+    whole, others = path.read_bytes(), run.contents()
+    path.write_bytes(damage(whole))
+    answer = run.snakemake("--cores", "1", "results/folding/ssmlearn/unseeded/rom.nc")
+    path.write_bytes(whole)
+    lines = [line for line in answer.stderr.splitlines() if line.startswith("vibrom: ")]
+    assert answer.returncode != 0 and len(lines) == 1
+    assert "train.nc" in lines[0] and says in lines[0] and "run again" in lines[0]
+    # Snakemake removes what the failed job would have made; all else stays.
+    fitted = run.results / "folding/ssmlearn/unseeded"
+    assert {name: content for name, content in others.items() if name.parent != fitted} == {
+        name: content for name, content in run.contents().items() if name.parent != fitted
+    }
+    assert run.snakemake("--cores", "2").returncode == 0

@@ -1,0 +1,119 @@
+"""The script behind every rule: arguments, logs, and which errors are one line."""
+
+import errno
+import runpy
+import sys
+import types
+
+import pytest
+
+from vibrom.data import DataError
+
+
+class Named(dict):
+    """Stands for Snakemake's named lists."""
+
+
+def job(tmp_path, step, **params):
+    inputs = Named(source="in.nc", sources=["a.nc", "b.nc"])
+    return types.SimpleNamespace(
+        input=inputs,
+        output=Named(target="out.nc"),
+        params=Named(step=step, **params),
+        log=[str(tmp_path / "log")],
+        rule="rule",
+        threads=1,
+    )
+
+
+@pytest.fixture
+def run(root, tmp_path, monkeypatch):
+    """run(function, **params): the script with this function as its step."""
+
+    def start(function, **params):
+        module = types.ModuleType("vibrom.steps.probe")
+        module.run = function
+        monkeypatch.setitem(sys.modules, "vibrom.steps.probe", module)
+        runpy.run_path(
+            str(root / "workflow/scripts/step.py"), init_globals={"snakemake": job(tmp_path, "probe", **params)}
+        )
+
+    return start
+
+
+def test_names_become_keyword_arguments(run):
+    seen = {}
+    run(lambda **given: seen.update(given), seed=None, provenance={"source_digest": "x", "versions": "{}"})
+    provenance = seen.pop("provenance")
+    assert seen == {"source": "in.nc", "sources": ["a.nc", "b.nc"], "target": "out.nc", "seed": None}
+    assert provenance["source_digest"] == "x" and '"xarray"' in provenance["versions"]
+
+
+def test_output_goes_to_terminal_and_log(run, tmp_path, capfd):
+    run(lambda **given: print("half way", file=sys.stderr))
+    assert "half way" in capfd.readouterr().err and "half way" in (tmp_path / "log").read_text()
+
+
+def fail(error):
+    def step(**given):
+        raise error
+
+    return step
+
+
+@pytest.mark.parametrize(
+    "error, says",
+    [
+        (
+            DataError("in.nc: not a readable netCDF file;\ndelete it and run again"),
+            "vibrom: in.nc: not a readable netCDF file; delete it and run again",
+        ),
+        (
+            OSError(errno.ENOSPC, "No space left on device", "results/x.nc"),
+            "vibrom: results/x.nc: no space left; free some or",
+        ),
+    ],
+)
+def test_own_errors_are_one_line(run, tmp_path, capfd, error, says):
+    with pytest.raises(SystemExit) as stopped:
+        run(fail(error))
+    printed = capfd.readouterr().err.strip()
+    assert stopped.value.code == 1
+    assert printed.startswith(says) and "\n" not in printed
+    assert printed in (tmp_path / "log").read_text()
+
+
+def test_a_bug_keeps_its_traceback(run, capfd):
+    with pytest.raises(SystemExit) as stopped:
+        run(fail(ZeroDivisionError("bug")))
+    assert stopped.value.code == 1
+    assert "Traceback" in capfd.readouterr().err
+
+
+def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
+    import os
+
+    from vibrom import data
+
+    path = tmp_path / "losses.nc"
+    losses = data.label(
+        data.xr.Dataset(
+            {"train_total": data.variable("epoch", [1.0], "1", "loss")},
+            {"epoch": data.variable("epoch", [1], "1", "epoch")},
+        ),
+        "losses",
+        scene="small",
+        method="split",
+    )
+    data.save_dataset(losses, path)
+    finished = path.read_bytes()
+
+    def full(*paths):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(data.os, "replace", full)
+    with pytest.raises(SystemExit):
+        run(lambda **given: data.save_dataset(losses, path))
+    printed = capfd.readouterr().err.strip()
+    assert str(path) in printed and "No space left" in printed and "free space" in printed and "\n" not in printed
+    assert path.read_bytes() == finished and list(tmp_path.glob(".*")) == []

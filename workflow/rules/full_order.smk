@@ -1,0 +1,108 @@
+# The full-order model of each scene: structure, release states, the two decays, the forced run and the response curve.
+# The sweep is the longest job: it starts as soon as its structure is there, and everything else runs beside it.
+
+
+def scene_part(*keys):
+    """The blocks of the scene that a rule reads; a change in another block does not run it again."""
+    return lambda wildcards: {key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)}
+
+
+def full_order_code(step):
+    return lambda wildcards: code(step, *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]))
+
+
+rule structure:
+    output:
+        structure="<results>/{scene}/full_order/structure.nc",
+    log:
+        "<logs>/{scene}/full_order/structure.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/structure.tsv"
+    params:
+        scene=scene_part(),
+        name="{scene}",
+        provenance=full_order_code("structure"),
+    priority: 100
+    message:
+        "{wildcards.scene}: structure"
+    script:
+        "../scripts/step.py"
+
+
+rule release:
+    input:
+        structure=rules.structure.output.structure,
+    output:
+        release="<results>/{scene}/full_order/release.nc",
+    log:
+        "<logs>/{scene}/full_order/release.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/release.tsv"
+    params:
+        scene=scene_part("releases", "time"),
+        provenance=full_order_code("release"),
+    priority: 80
+    message:
+        "{wildcards.scene}: release states"
+    script:
+        "../scripts/step.py"
+
+
+rule full_order_decay:
+    input:
+        structure=rules.structure.output.structure,
+        release=rules.release.output.release,
+    output:
+        trajectory="<results>/{scene}/full_order/{role}.nc",
+    log:
+        "<logs>/{scene}/full_order/{role}.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/{role}.tsv"
+    params:
+        scene=scene_part("decay", "time"),
+        role="{role}",
+        provenance=full_order_code("full_order_decay"),
+    priority: 70
+    message:
+        "{wildcards.scene}: full-order decay ({wildcards.role})"
+    script:
+        "../scripts/step.py"
+
+
+rule full_order_forced:
+    input:
+        structure=rules.structure.output.structure,
+    output:
+        forced="<results>/{scene}/full_order/forced.nc",
+    log:
+        "<logs>/{scene}/full_order/forced.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/forced.tsv"
+    params:
+        scene=scene_part("forced", "time"),
+        provenance=full_order_code("full_order_forced"),
+    priority: 60
+    message:
+        "{wildcards.scene}: full-order forced run"
+    script:
+        "../scripts/step.py"
+
+
+rule full_order_frc:
+    input:
+        structure=rules.structure.output.structure,
+    output:
+        frc="<results>/{scene}/full_order/frc.nc",
+    log:
+        "<logs>/{scene}/full_order/frc.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/frc.tsv"
+    params:
+        scene=scene_part("frc", "time"),
+        provenance=full_order_code("full_order_frc"),
+    threads: 1
+    priority: 90
+    message:
+        "{wildcards.scene}: full-order response curve"
+    script:
+        "../scripts/step.py"

@@ -1,0 +1,64 @@
+# One rule a method, made from the configuration: fit_split, fit_ssmlearn, ...
+# A method whose block names a rule file brings its own rule instead; that rule writes the same rom.nc and losses.nc.
+import hashlib
+
+
+def start_input(method):
+    """The fitted model that a method starts from, as its input `start`."""
+
+    def inputs(wildcards):
+        start = SETTINGS.start_of(method, wildcards.seed)
+        return {} if start is None else {"start": f"<results>/{wildcards.scene}/{start[0]}/{start[1]}/rom.nc"}
+
+    return inputs
+
+
+def checkpoint(method):
+    """Where an interrupted training goes on from; another scene, setting or code begins anew, with a file of its own."""
+
+    def path(wildcards, output):
+        recipe = (SCENES[wildcards.scene], METHODS[method], code("fit", f"methods.{method}"))
+        return str(Path(output.rom).with_name(f"checkpoint_{hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]}.npz"))
+
+    return path
+
+
+for METHOD, BLOCK in METHODS.items():
+    if "rule" in BLOCK:
+
+        include: ROOT / BLOCK["rule"]
+
+        continue
+
+    rule:
+        name:
+            f"fit_{METHOD}"
+        input:
+            unpack(start_input(METHOD)),
+            structure=rules.structure.output.structure,
+            train="<results>/{scene}/full_order/train.nc",
+            test="<results>/{scene}/full_order/test.nc",
+        output:
+            rom=f"<results>/{{scene}}/{METHOD}/{{seed}}/rom.nc",
+            losses=f"<results>/{{scene}}/{METHOD}/{{seed}}/losses.nc",
+        log:
+            f"<logs>/{{scene}}/{METHOD}/{{seed}}/fit.log",
+        benchmark:
+            f"<benchmarks>/{{scene}}/{METHOD}/{{seed}}/fit.tsv"
+        params:
+            step="fit",
+            scene_name="{scene}",
+            method=METHOD,
+            settings=BLOCK["settings"],
+            seed=seed_of,
+            device=SETTINGS.device,
+            checkpoint=checkpoint(METHOD),
+            provenance=code("fit", f"methods.{METHOD}"),
+        threads: BLOCK.get("resources", {}).get("threads", 1)
+        resources:
+            **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
+        priority: 50
+        message:
+            f"{{wildcards.scene}}: {METHOD} {{wildcards.seed}}: fit"
+        script:
+            "../scripts/step.py"

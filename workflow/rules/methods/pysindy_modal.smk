@@ -1,0 +1,29 @@
+# An outside method: a peer's package, called by a script that reads and writes the artefacts with xarray alone.
+# The rule writes rom.nc and losses.nc like any other fit, and its models take part in every experiment and table.
+PYSINDY_SCRIPT = ROOT / "workflow/scripts/fit_pysindy_modal.py"
+
+
+rule fit_pysindy_modal:
+    input:
+        structure=rules.structure.output.structure,
+        train="<results>/{scene}/full_order/train.nc",
+    output:
+        rom="<results>/{scene}/pysindy_modal/{seed}/rom.nc",
+        losses="<results>/{scene}/pysindy_modal/{seed}/losses.nc",
+    log:
+        "<logs>/{scene}/pysindy_modal/{seed}/fit.log",
+    benchmark:
+        "<benchmarks>/{scene}/pysindy_modal/{seed}/fit.tsv"
+    params:
+        scene_name="{scene}",
+        settings=METHODS["pysindy_modal"]["settings"],
+        rom_class=METHODS["pysindy_modal"]["rom_class"],
+        provenance=provenance.script_attributes(PYSINDY_SCRIPT, ("pysindy", "numpy", "sklearn")),
+    threads: METHODS["pysindy_modal"]["resources"]["threads"]
+    resources:
+        mem_mb=METHODS["pysindy_modal"]["resources"]["mem_mb"],
+    priority: 50
+    message:
+        "{wildcards.scene}: pysindy_modal {wildcards.seed}: fit"
+    script:
+        "../../scripts/fit_pysindy_modal.py"

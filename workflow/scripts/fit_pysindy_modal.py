@@ -1,0 +1,124 @@
+"""SINDy on modal coordinates by pysindy, as an outside method: xarray in, xarray out, nothing of vibrom imported.
+
+    z = phi' M q,  y = (z, z') / s,  dy/dtau = Xi Theta(y),  tau = omega_1 t,    q = phi z
+
+Theta holds the monomials of degree 1 to `degree`, Xi comes by sequentially thresholded least squares (coefficients
+below `threshold` are dropped), and s is the largest |z|, |z'| of the training data, which makes all of it of order
+one.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pysindy
+import xarray as xr
+from scipy.sparse import csr_matrix
+
+
+def modal(structure, modes):
+    """phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]."""
+    phi = structure["mode_shape"].values[:modes]
+    entries = structure["mass_value"].values, (structure["mass_row"].values, structure["mass_column"].values)
+    mass = csr_matrix(entries, shape=(phi.shape[1], phi.shape[1]))
+    return phi, (mass @ phi.T).T, structure["frequency"].values[:modes]
+
+
+def fit(structure, train, *, modes, degree, threshold):
+    """The arrays of the model, and the seconds that mapping and dynamics took."""
+    started = time.perf_counter()
+    phi, encoder, frequency = modal(structure, modes)
+    z = np.hstack([train["displacement"].values @ encoder.T, train["velocity"].values @ encoder.T])
+    rate = np.hstack([z[:, modes:], train["acceleration"].values @ encoder.T])
+    scale = np.abs(z).max(axis=0)
+    decoder = np.kron(np.eye(2), phi.T) * scale
+    mapped = time.perf_counter()
+    library = pysindy.PolynomialLibrary(degree=degree, include_bias=False)
+    model = pysindy.SINDy(optimizer=pysindy.STLSQ(threshold=threshold, alpha=0.0), feature_library=library)
+    model.fit(z / scale, t=train["time"].values * frequency[0], x_dot=rate / (scale * frequency[0]))
+    arrays = {
+        "reach": (
+            ("coordinate",),
+            scale,
+            "largest absolute reduced coordinate in the training data, in its own unit",
+            "1",
+        ),
+        "encoder": (("mode", "dof"), encoder, "projection of displacement and of velocity", "kg0.5"),
+        "scale": (("coordinate",), scale, "scale of the reduced coordinates in the monomials, in their own units", "1"),
+        "decoder": (("state", "decoder_term"), decoder, "coefficients of the decoder, in the unit of the state", "1"),
+        "decoder_powers": (
+            ("decoder_term", "coordinate"),
+            np.eye(2 * modes, dtype=int),
+            "exponents of the decoder's monomials",
+            "1",
+        ),
+        "dynamics": (
+            ("coordinate", "dynamics_term"),
+            model.coefficients() * scale[:, None] * frequency[0],
+            "coefficients of the dynamics, in the unit of the rate",
+            "1",
+        ),
+        "dynamics_powers": (
+            ("dynamics_term", "coordinate"),
+            np.asarray(library.powers_, int),
+            "exponents of the dynamics' monomials",
+            "1",
+        ),
+        "force": (("mode", "dof"), phi, "projection of the load", "kg-0.5"),
+    }
+    return arrays, mapped - started, time.perf_counter() - mapped
+
+
+def dataset(arrays, **attributes):
+    variables = {
+        name: xr.Variable(dims, values, {"long_name": words, "units": units})
+        for name, (dims, values, words, units) in arrays.items()
+    }
+    return xr.Dataset(variables).assign_attrs(Conventions="CF-1.11", **attributes)
+
+
+def save(data, path):
+    """All of the file or nothing."""
+    partial = Path(path).with_suffix(".partial")
+    data.to_netcdf(
+        partial,
+        engine="netcdf4",
+        encoding={name: {"_FillValue": None} for name in data.variables if data[name].dtype.kind in "iu"},
+    )
+    partial.replace(path)
+
+
+def main(job):
+    sys.stderr = open(job.log[0], "w")
+    settings, scene = dict(job.params.settings), job.params.scene_name
+    structure, train = xr.load_dataset(job.input.structure), xr.load_dataset(job.input.train)
+    arrays, mapping, dynamics = fit(structure, train, **settings)
+    arrays |= {
+        "outcome": ((), "ok", "how the fit ended", "1"),
+        "mapping_seconds": ((), mapping, "wall time of obtaining the mapping", "s"),
+        "dynamics_seconds": ((), dynamics, "wall time of obtaining the dynamics", "s"),
+    }
+    shared = {
+        "scene": scene,
+        "method": "pysindy_modal",
+        "seed": -1,
+        "reason": "",
+        "settings": json.dumps(settings, sort_keys=True),
+        **job.params.provenance,
+    }
+    title = f"pysindy_modal in scene {scene}"
+    save(dataset(arrays, kind="rom", rom=job.params.rom_class, title=f"vibrom rom: {title}", **shared), job.output.rom)
+    # Nothing is trained epoch by epoch: the loss history is empty.
+    losses = {
+        name: (("epoch",), np.zeros(0), words, "1")
+        for name, words in (("epoch", "epoch"), ("train_total", "training loss"))
+    }
+    save(
+        dataset(losses, kind="losses", title=f"vibrom losses: {title}", **shared).set_coords("epoch"), job.output.losses
+    )
+
+
+if __name__ == "__main__":
+    main(snakemake)  # noqa: F821  put there by Snakemake

@@ -1,0 +1,87 @@
+"""Runs one step of vibrom: the rule's named inputs, outputs and params become the arguments of its `run`.
+
+The step is `vibrom.steps.<name>`; the name is `params.step`, or the rule's. What the step prints goes to the terminal
+and to the rule's log. An error that vibrom itself raises is one line on stderr; any other is a bug and keeps its
+traceback.
+"""
+
+import errno
+import importlib
+import os
+import sys
+import traceback
+
+
+class Tee:
+    """Writes to the terminal and to the log."""
+
+    def __init__(self, terminal, log):
+        self.terminal, self.log = terminal, log
+
+    def write(self, text):
+        self.log.write(text)
+        return self.terminal.write(text)
+
+    def flush(self):
+        self.terminal.flush()
+        self.log.flush()
+
+    def isatty(self):
+        # Jobs run side by side: bars that redraw themselves would write over one another, lines do not.
+        return False
+
+    def __getattr__(self, name):
+        return getattr(self.terminal, name)
+
+
+def arguments(job):
+    """Keyword arguments of the step: paths as text, lists of paths as lists."""
+    paths = [*job.input.items(), *job.output.items()]
+    given = {name: str(path) if isinstance(path, str) else [str(item) for item in path] for name, path in paths}
+    return given | dict(job.params.items())
+
+
+def complaint(error):
+    """The one line for an error that is not a bug, or None."""
+    if type(error).__module__.split(".")[0] == "vibrom":
+        return " ".join(str(error).split())
+    for cause in (error, error.__cause__, error.__context__):
+        if isinstance(cause, OSError) and cause.errno in (errno.ENOSPC, errno.EDQUOT):
+            cure = "free some or choose another results folder, then run again"
+            return f"{cause.filename or 'results'}: no space left; {cure}"
+    return None
+
+
+def main(job):
+    # Compiled loops use the cores that the job was given, like the BLAS libraries, whose variables Snakemake sets.
+    os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
+    try:
+        with open(job.log[0], "w", buffering=1) as log:
+            sys.stdout, sys.stderr = Tee(sys.__stdout__, log), Tee(sys.__stderr__, log)
+            try:
+                run(job)
+            except Exception as error:
+                line = complaint(error)
+                if line is None:
+                    traceback.print_exc()
+                else:
+                    print(f"vibrom: {line}", file=sys.stderr)
+                sys.exit(1)
+            finally:
+                sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__
+    except OSError as error:
+        # The log itself cannot be written.
+        sys.exit(f"vibrom: {complaint(error) or error}")
+
+
+def run(job):
+    given = arguments(job)
+    step = importlib.import_module(f"vibrom.steps.{given.pop('step', job.rule)}")
+    if "provenance" in given:
+        from vibrom.provenance import completed
+
+        given["provenance"] = completed(given["provenance"])
+    step.run(**given)
+
+
+main(snakemake)  # noqa: F821  put there by Snakemake
