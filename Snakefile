@@ -17,7 +17,7 @@ def checked(function, *arguments, **options):
     """The answer of the function; a wrong entry of the configuration is one line and the end."""
     try:
         return function(*arguments, **options)
-    except ValueError as error:
+    except config_files.SettingsError as error:
         sys.exit(f"vibrom: {error}")
 
 
@@ -60,6 +60,7 @@ def seed_of(wildcards):
     return None if wildcards.seed == settings.UNSEEDED else int(wildcards.seed.removeprefix("seed_"))
 
 
+include: "workflow/rules/resume.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
@@ -76,3 +77,5 @@ rule all:
         rules.report.output,
         rules.tracking.output,
         rules.headline.output,
+    message:
+        "everything is there"

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 from vibrom.data import label, outcome_variables, save_dataset, scored, variable
+from vibrom.steps.experiment import nothing
 
 PROVENANCE = {"source_digest": "0123456789abcdef", "versions": json.dumps({"numpy": "2.0"})}
 PROBES = ("probe", "tip")
@@ -23,11 +24,12 @@ RUN_TIMES = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s"
 
 class Tree:
     """results/ with these scenes, `methods` (name -> seeds, None = unseeded), errors `nmte[scene, method, seed]`, and
-    failures: a set of (scene, method, seed) whose forced run diverges after three periods."""
+    failures: a set of (scene, method, seed) whose forced run diverges after three periods; `unfit`: those whose training
+    diverged."""
 
-    def __init__(self, root: Path, scenes, methods, nmte, failures=(), cells=(8, 2), periods=6, steps=40):
+    def __init__(self, root: Path, scenes, methods, nmte, failures=(), unfit=(), cells=(8, 2), periods=6, steps=40):
         self.root, self.scenes, self.methods = Path(root), list(scenes), methods
-        self.nmte, self.failures = nmte, set(failures)
+        self.nmte, self.failures, self.unfit = nmte, set(failures), set(unfit)
         self.cells, self.periods, self.steps = cells, periods, steps
         self.artefacts: list[str] = []
         self.rows: list[tuple] = []
@@ -74,7 +76,7 @@ class Tree:
         node, element, dof_node, dof_axis = self.mesh()
         n, probe = len(dof_node), ("probe", np.array(PROBES, dtype=object))
         units = {"units": "1", "long_name": "probe"}
-        settings = {
+        scene_blocks = {
             "body": {"length": 1.0, "height": 0.02, "width": 0.05, "cells": list(self.cells), "element": "bilinear"},
             "effects": {"inertia": {"density": 440.0}, "elasticity": {"young_modulus": 104.0e9, "poisson_ratio": 0.3}},
         }
@@ -87,7 +89,7 @@ class Tree:
             "damping_ratio": variable("mode", np.full(4, 0.01), "1", "damping ratios"),
             "load": variable("dof", np.zeros(n), "N", "load"),
             "probe_dof": variable("probe", self.probe_dofs(), "1", "dof of each probe"),
-        }, coords={"probe": (*probe, units)}), "structure", scene, "full_order", "structure", settings=settings)
+        }, coords={"probe": (*probe, units)}), "structure", scene, "full_order", "structure", **scene_blocks)
         states = np.stack([self.shape(SIZE[scene] * 1.1), self.shape(SIZE[scene])])
         self.save(xr.Dataset({"displacement": variable(("role", "dof"), states, "m", "release states")},
                              coords={"role": variable("role", np.array(["train", "test"], dtype=object), "1", "role")}),
@@ -107,9 +109,11 @@ class Tree:
         self.curve(scene, "full_order", None, 1.0, False)
         self.save(self.backbone(scene, 1.0), "backbone", scene, "full_order", "backbone")
         self.save(self.pair(-4.0, OMEGA), "eigenvalues", scene, "full_order", "eigenvalues")
-        times = zip(RUN_TIMES, (np.nan, np.nan, np.nan, 2.0, 13.0, 400.0))
-        self.save(scored(xr.Dataset(), {name: (value, "s") for name, value in times}),
-                  "run_times", scene, "full_order", "run_times")
+        pair = {"real_per_s": (-4.0, "1/s"), "imaginary_rad_per_s": (OMEGA, "rad/s")}
+        self.score(scene, "full_order", None, "eigenvalues", pair)
+        times = {"decay_s": (2.0, "s"), "forced_s": (13.0, "s"), "frc_s": (400.0, "s")}
+        self.save(scored(xr.Dataset(outcome_variables("ok")), times), "run_times", scene, "full_order", "run_times")
+        self.score(scene, "full_order", None, "run_times", times)
 
     def decay_at_probes(self, scene, time):
         return SIZE[scene] * np.array([1.0, 2.7])[:, None] * np.exp(-4 * time) * np.cos(OMEGA * time)
@@ -167,7 +171,7 @@ class Tree:
         amplitude = np.where(lost, np.nan, SIZE[scene] * np.abs(answer) / 10)
         phase = np.where(lost, np.nan, np.angle(answer))
         self.save(xr.Dataset({
-            "amplitude": variable(("probe", "angular_frequency"), np.stack([1, 2.7])[:, None] * amplitude, "m", "amplitude"),
+            "amplitude": variable(("probe", "angular_frequency"), np.outer([1, 2.7], amplitude), "m", "amplitude"),
             "phase": variable(("probe", "angular_frequency"), np.stack([phase, phase]), "rad", "phase"),
             "outcome": variable("angular_frequency", np.where(lost, "diverged", "ok").astype(object), "1", "outcome"),
             "failed_at": variable("angular_frequency", np.where(lost, 0.05, np.nan), "s", "failure time"),
@@ -176,7 +180,18 @@ class Tree:
                    "probe": variable("probe", np.array(PROBES, dtype=object), "1", "probe")}),
             "frc", scene, model, "frc", seed)
 
+    def unfitted(self, scene, method, seed):
+        reason = "the loss became infinite in epoch 7"
+        fitted = xr.Dataset({"outcome": variable((), "training_diverged", "1", "how the fit ended")})
+        self.save(fitted, "rom", scene, method, "rom", seed, reason=reason)
+        for experiment in ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times"):
+            self.save(nothing(experiment, "training_diverged"), experiment, scene, method, experiment, seed)
+            self.score(scene, method, seed, experiment, {"nmte_percent": (np.nan, "percent")}, "training_diverged")
+
     def model(self, scene, method, seed):
+        if (scene, method, seed) in self.unfit:
+            self.unfitted(scene, method, seed)
+            return
         error, fails = self.nmte[scene, method, seed], (scene, method, seed) in self.failures
         time = np.arange(self.periods * self.steps + 1) * PERIOD / self.steps
         true = self.decay_at_probes(scene, time)
@@ -230,17 +245,19 @@ NMTE = {
     ("small", "split", 0): 3.0, ("small", "split", 1): 1.0, ("small", "split", 2): 8.0,
     ("large", "split", 0): 3.0, ("large", "split", 1): 1.0, ("large", "split", 2): 8.0,
     ("small", "split_plus", 0): 2.0, ("small", "split_plus", 1): 1.0,
-    ("large", "split_plus", 0): 2.0, ("large", "split_plus", 1): 1.0,
+    ("large", "split_plus", 0): 2.0,
 }
 # The forced runs that blow up: one seed of three, and the only run of modal projection.
 FAILURES = {("large", "split", 1), ("large", "modal_projection", None)}
+# The only training that went wrong.
+UNFIT = {("large", "split_plus", 1)}
 METHODS = {"modal_projection": None, "split": [0, 1, 2], "split_plus": [0, 1]}
 
 
 @pytest.fixture(scope="session")
 def tree(tmp_path_factory):
-    """Two cases, three methods, up to three seeds, two failures."""
-    return Tree(tmp_path_factory.mktemp("run") / "results", ["small", "large"], METHODS, NMTE, FAILURES)
+    """Two cases, three methods, up to three seeds, two forced runs that fail and a training that does."""
+    return Tree(tmp_path_factory.mktemp("run") / "results", ["small", "large"], METHODS, NMTE, FAILURES, UNFIT)
 
 
 @pytest.fixture(scope="session")

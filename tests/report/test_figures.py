@@ -44,6 +44,16 @@ def test_failures_are_in_words_in_their_panel(drawn):
     assert "Modal projection in case large" in said(drawn["blow_up"]) and "after 3 periods" in said(drawn["blow_up"])
 
 
+@pytest.mark.parametrize(
+    "name", ["decay_large", "forced_large", "phase_portraits_large", "final_shapes", "backbones", "frc_phase"],
+)
+def test_a_model_that_could_not_be_fitted_says_why(collection, scores, name):
+    other = ("large", "split_plus", "seed_0")
+    loaders = {key: loader for key, loader in collection.loaders.items() if key[:3] != other}
+    words = said(draw(name, Collection(loaders), scores)).replace("\n", " ")
+    assert "training diverged: the loss became infinite in epoch 7" in words
+
+
 def test_panels_name_the_method_and_the_seed_that_is_drawn(drawn):
     words = said(drawn["decay_small"])
     assert "SPLIT, seed 0: 3 %" in words and "SPLIT+, seed 1: 1 %" in words and "Modal projection: 1.5 %" in words

@@ -114,4 +114,8 @@ def test_no_failures_no_hard_cases(collection, scores):
 
     good = Scores(scores.frame.assign(outcome="ok"))
     assert len(hard_cases.table(collection, good)) == 0
-    assert len(hard_cases.table(collection, scores)) == 2
+    hard = hard_cases.table(collection, scores).set_index("Model")
+    assert list(hard.index) == ["Modal projection", "SPLIT", "SPLIT+"]
+    assert list(hard["Outcome"]) == ["diverged", "diverged", "training_diverged"]
+    assert hard.loc["SPLIT", "Seeds"] == "1" and hard.loc["SPLIT", "Asked for"] == "forced"
+    assert hard.loc["SPLIT+", "Asked for"].startswith("reconstruction, decay, backbone, forced")

@@ -52,6 +52,11 @@ def test_failures_are_shown_not_dropped(frames):
     assert np.isnan(modal["nmte_percent"]) and modal["outcome"] == "diverged"
     assert modal["failed_at_s"] == pytest.approx(3 * 2 * np.pi / 400)
     assert row(frames["forced"], "small", "modal_projection")["outcome"] == "ok"
+    for name in ("reconstruction", "decay", "forced", "eigenvalues", "run_times"):
+        unfit = row(frames[name], "large", "split_plus")
+        assert unfit["outcome"] == "ok 1, training_diverged 1", name
+    assert np.isnan(row(frames["decay"], "large", "split_plus")["nmte_percent"])
+    assert row(frames["decay"], "large", "split_plus")["nmte_percent_min"] == 2.0
 
 
 def test_thesis_numbers_stand_in_their_cells(frames):
@@ -95,7 +100,9 @@ def test_response_curves_have_one_row_a_point_with_value_or_outcome(frames):
     ]
     assert len(frame) == 2 * 9 * (1 + 1 + 3 + 2)
     lost = frame[frame["probe_amplitude_m"].isna()]
-    assert set(lost["outcome"]) == {"diverged"} and lost["failed_at_s"].notna().all() and len(lost) == 2 * 3
+    assert dict(lost["outcome"].value_counts()) == {"training_diverged": 9, "diverged": 2 * 3}
+    assert lost.loc[lost["outcome"] == "diverged", "failed_at_s"].notna().all()
+    assert list(lost.loc[lost["outcome"] == "training_diverged", "seed"].unique()) == [1]
     assert set(frame[frame["probe_amplitude_m"].notna()]["outcome"]) == {"ok"}
     good = frame[frame["outcome"] == "ok"]
     assert np.allclose(good["tip_amplitude_m"], 2.7 * good["probe_amplitude_m"])

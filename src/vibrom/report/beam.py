@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from vibrom.report import thesis
-from vibrom.report.collection import FULL_ORDER, Collection, settings
+from vibrom.report.collection import FULL_ORDER, Collection, described
 
 FREQUENCIES = 4
 
@@ -31,8 +31,7 @@ def table(collection: Collection) -> pd.DataFrame:
 
 def properties(structure: xr.Dataset) -> dict:
     """What the scene says about the body; what it leaves unsaid is read off the mesh."""
-    scene = settings(structure)
-    body, effects = scene.get("body", {}), scene.get("effects", {})
+    body, effects = described(structure, "body"), described(structure, "effects")
     elasticity, span = effects.get("elasticity") or {}, np.ptp(structure["node"].values, axis=0)
     damping = np.atleast_1d(structure["damping_ratio"].values)[0] if "damping_ratio" in structure else np.nan
     return {

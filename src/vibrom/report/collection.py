@@ -46,9 +46,14 @@ def scalar(dataset: xr.Dataset | None, name: str, default=np.nan):
     return dataset.attrs.get(name, default)
 
 
-def settings(dataset: xr.Dataset | None) -> dict:
-    """The configuration that an artefact carries; empty where it carries none."""
-    return json.loads(dataset.attrs.get("settings", "{}")) if dataset is not None else {}
+def described(dataset: xr.Dataset, block: str) -> dict:
+    """A block of the scene that a structure carries as an attribute: `body`, `effects`; empty where it does not."""
+    return json.loads(dataset.attrs.get(block, "{}"))
+
+
+def answered(dataset: xr.Dataset | None) -> bool:
+    """Whether there are values; a model that could not be fitted leaves a dataset with an outcome and nothing else."""
+    return dataset is not None and "nothing" not in dataset.dims
 
 
 def probe_name(dataset: xr.Dataset) -> str:
@@ -59,6 +64,8 @@ def probe_name(dataset: xr.Dataset) -> str:
 
 def at_probe(dataset: xr.Dataset, name: str, probe: str | None = None) -> np.ndarray | None:
     """One variable at one probe (default: the thesis's); None where that probe does not exist."""
+    if "probe" not in dataset.coords:
+        return None
     probe = probe or probe_name(dataset)
     names = [str(known) for known in dataset["probe"].values]
     return dataset[name].values[names.index(probe)] if name in dataset and probe in names else None

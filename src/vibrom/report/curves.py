@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, at_probe
+from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, answered, at_probe
 from vibrom.report.scores import spread, tally
 
 COLUMNS = (
@@ -20,22 +20,24 @@ def table(collection: Collection) -> pd.DataFrame:
             for seed in [UNSEEDED] if model == FULL_ORDER else collection.seeds(scene, model):
                 curve = collection.find(scene, model, "frc", seed)
                 if curve is not None:
-                    pieces.append(points(curve, scene, model, seed))
+                    pieces.append(points(curve, scene, model, seed, collection.find(scene, FULL_ORDER, "frc")))
     frame = pd.concat(pieces, ignore_index=True) if pieces else pd.DataFrame({name: [] for name in COLUMNS})
     return frame.astype({"seed": "Int64"})[list(COLUMNS)]
 
 
-def points(curve, scene: str, model: str, seed: str) -> pd.DataFrame:
-    frequency = curve["angular_frequency"].values
-    tip = at_probe(curve, "amplitude", "tip")
+def points(curve, scene: str, model: str, seed: str, truth) -> pd.DataFrame:
+    """One row a frequency; a model that could not be fitted has the frequencies of the full order, and its outcome."""
+    frequency = (curve if answered(curve) else truth)["angular_frequency"].values
+    amplitude, tip, phase = (at_probe(curve, *what) for what in (("amplitude",), ("amplitude", "tip"), ("phase",)))
+    gone = np.full(len(frequency), np.nan)
     number = pd.NA if seed == UNSEEDED else int(seed.removeprefix("seed_"))
     return pd.DataFrame({
         "case": scene, "method": model,
         "seed": pd.array([number] * len(frequency), dtype="Int64"),
         "omega_rad_per_s": frequency,
-        "probe_amplitude_m": at_probe(curve, "amplitude"),
-        "tip_amplitude_m": np.full(len(frequency), np.nan) if tip is None else tip,
-        "phase_rad": at_probe(curve, "phase"),
+        "probe_amplitude_m": gone if amplitude is None else amplitude,
+        "tip_amplitude_m": gone if tip is None else tip,
+        "phase_rad": gone if phase is None else phase,
         "outcome": np.broadcast_to(curve["outcome"].values.astype(str), frequency.shape),
         "failed_at_s": np.broadcast_to(curve["failed_at"].values, frequency.shape),
     })

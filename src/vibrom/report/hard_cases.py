@@ -31,16 +31,21 @@ def full_order(collection: Collection) -> list[tuple]:
 
 
 def predictions(collection: Collection, scores: Scores) -> list[tuple]:
-    """One row for all seeds of a model that ended in the same way."""
-    bad = scores.frame[~scores.frame["outcome"].isin(["ok", "nan"])]
-    rows = []
+    """One row for all seeds and experiments of a model that ended in the same way at the same time."""
+    # The points of the response curves have rows of their own.
+    bad = scores.frame[~scores.frame["outcome"].isin(["ok", "nan"]) & (scores.frame["experiment"] != "frc")]
+    found: dict[tuple, tuple[list[str], str]] = {}
     by = ["scene", "method", "experiment", "outcome"]
     for (scene, method, experiment, outcome), group in bad.groupby(by, sort=False):
         seeds = list(dict.fromkeys(group["seed"]))
         times = [float(scalar(collection.find(scene, method, experiment, seed), "failed_at")) for seed in seeds]
-        values = group.loc[group["metric"] == "nmte_percent", "value"].to_numpy(float)
-        rows.append((scene, method, experiment, outcome, seed_list(seeds), extent(times), extent(values)))
-    return rows
+        asked, value = found.setdefault((scene, method, outcome, seed_list(seeds), extent(times)), ([], GONE))
+        asked.append(experiment.replace("_", " "))
+        error = extent(group.loc[group["metric"] == "nmte_percent", "value"].to_numpy(float))
+        if value == GONE:
+            found[scene, method, outcome, seed_list(seeds), extent(times)] = (asked, error)
+    return [(scene, method, ", ".join(asked), outcome, seeds, when, value)
+            for (scene, method, outcome, seeds, when), (asked, value) in found.items()]
 
 
 def curves(points: pd.DataFrame | None) -> list[tuple]:

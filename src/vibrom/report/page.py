@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from vibrom.report import names, thesis
 from vibrom.report.captions import Caption
-from vibrom.report.collection import FULL_ORDER, Collection, scalar
+from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, scalar
 
 HEAVY = 400_000  # bytes: a figure above this goes in as pixels
 
@@ -52,7 +52,7 @@ def sources(collection: Collection) -> tuple[pd.DataFrame, dict[str, str]]:
     for scene in collection.scenes[:1]:
         for model in [FULL_ORDER, *collection.methods]:
             name = "structure" if model == FULL_ORDER else "rom"
-            seeds = ["unseeded"] if model == FULL_ORDER else collection.seeds(scene, model)
+            seeds = [UNSEEDED] if model == FULL_ORDER else collection.seeds(scene, model)
             dataset = collection.find(scene, model, name, seeds[0]) if seeds else None
             if dataset is not None:
                 rows.append((thesis.label(model), name, str(scalar(dataset, "source_digest", "unknown"))))
@@ -79,7 +79,7 @@ def compose(
     return render(
         "page.html.j2",
         scenes=collection.scenes, methods=[thesis.label(method) for method in collection.methods],
-        seeds=max((len({key[2] for key in collection.loaders if key[1] == name}) for name in collection.methods), default=0),
+        seeds=len({key[2] for key in collection.loaders if key[2] != UNSEEDED}),
         headline=[(title, plain(frame)) for title, frame in headline.items()],
         glance=[figure for figure in shown if figure["name"] == "accuracy_cost"],
         figures=[figure for figure in shown if figure["name"] != "accuracy_cost"],

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from vibrom.report import beam, curves, thesis
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, scalar
+from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
 
@@ -62,7 +62,7 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
             if experiment == "forced":
                 error = scores.spread(scene, method, experiment, "amplitude_error_percent")
                 row |= spread_columns("amplitude_error_percent", error)
-            row |= {"seeds": len(seeds), "outcome": outcome(collection, scores, scene, method, experiment)}
+            row |= ending(collection, scores, scene, method, experiment)
             times = [float(scalar(collection.find(scene, method, experiment, seed), "failed_at")) for seed in seeds]
             row["failed_at_s"] = min((time for time in times if np.isfinite(time)), default=np.nan)
             rows.append(row)
@@ -73,47 +73,31 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
 def eigenvalues(collection: Collection, scores: Scores) -> pd.DataFrame:
     """The first pair of eigenvalues of the linear part at rest: real part [1/s], imaginary part [rad/s]."""
     rows = []
-    for scene in collection.scenes:
-        for model in [FULL_ORDER, *collection.methods]:
-            if model == FULL_ORDER:
-                pair = collection.find(scene, FULL_ORDER, "eigenvalues")
-                parts = [float(pair[part].values[0]) if pair is not None else np.nan for part in ("real", "imaginary")]
-                real, imaginary = (Spread(part, part, part) for part in parts)
-                seeds, ended = 1, str(scalar(pair, "outcome", "ok" if pair is not None else "not run"))
-            else:
-                real = scores.spread(scene, model, "eigenvalues", "real_per_s", worst=False)
-                imaginary = scores.spread(scene, model, "eigenvalues", "imaginary_rad_per_s", worst=False)
-                seeds = len(collection.seeds(scene, model))
-                ended = outcome(collection, scores, scene, model, "eigenvalues")
-            row: dict = {"case": scene, "method": model}
-            row |= spread_columns("real_per_s", real) | spread_columns("imaginary_rad_per_s", imaginary)
-            row["thesis_real_per_s"], row["thesis_imaginary_rad_per_s"] = thesis.eigenvalue(scene, model)
-            rows.append(row | {"seeds": seeds, "outcome": ended})
+    for scene, model in models(collection):
+        row: dict = {"case": scene, "method": model}
+        for part in ("real_per_s", "imaginary_rad_per_s"):
+            row |= spread_columns(part, scores.spread(scene, model, "eigenvalues", part, worst=False))
+        row["thesis_real_per_s"], row["thesis_imaginary_rad_per_s"] = thesis.eigenvalue(scene, model)
+        rows.append(row | ending(collection, scores, scene, model, "eigenvalues"))
     return pd.DataFrame(rows)
 
 
 def run_times(collection: Collection, scores: Scores) -> pd.DataFrame:
     """Wall time [s] of every step, offline and online."""
     rows = []
-    for scene in collection.scenes:
-        for model in [FULL_ORDER, *collection.methods]:
-            row: dict = {"case": scene, "method": model}
-            for quantity in thesis.RUN_TIMES:
-                row |= spread_columns(quantity, seconds(collection, scores, scene, model, quantity))
-            row |= {f"thesis_{quantity}": thesis.run_time(quantity, scene, model) for quantity in thesis.RUN_TIMES}
-            own = collection.find(scene, FULL_ORDER, "run_times") if model == FULL_ORDER else None
-            row["seeds"] = 1 if model == FULL_ORDER else len(collection.seeds(scene, model))
-            row["outcome"] = (str(scalar(own, "outcome", "ok" if own is not None else "not run")) if model == FULL_ORDER
-                              else outcome(collection, scores, scene, model, "run_times"))
-            rows.append(row)
+    for scene, model in models(collection):
+        row: dict = {"case": scene, "method": model}
+        for quantity in thesis.RUN_TIMES:
+            row |= spread_columns(quantity, scores.spread(scene, model, "run_times", quantity, worst=False))
+        row |= {f"thesis_{quantity}": thesis.run_time(quantity, scene, model) for quantity in thesis.RUN_TIMES}
+        rows.append(row | ending(collection, scores, scene, model, "run_times"))
     return pd.DataFrame(rows)
 
 
-def seconds(collection: Collection, scores: Scores, scene: str, model: str, quantity: str) -> Spread:
-    """One run time over seeds; the full-order model's comes from its own dataset."""
-    if model != FULL_ORDER:
-        return scores.spread(scene, model, "run_times", quantity, worst=False)
-    times = collection.find(scene, FULL_ORDER, "run_times", UNSEEDED)
-    names = [str(name) for name in times["score"].values] if times is not None else []
-    value = float(times["score_value"].values[names.index(quantity)]) if quantity in names else np.nan
-    return Spread(value, value, value)
+def models(collection: Collection) -> list[tuple[str, str]]:
+    return [(scene, model) for scene in collection.scenes for model in [FULL_ORDER, *collection.methods]]
+
+
+def ending(collection: Collection, scores: Scores, scene: str, model: str, experiment: str) -> dict:
+    seeds = 1 if model == FULL_ORDER else len(collection.seeds(scene, model))
+    return {"seeds": seeds, "outcome": outcome(collection, scores, scene, model, experiment)}

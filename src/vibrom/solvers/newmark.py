@@ -31,7 +31,7 @@ class Newmark:
     alpha: float = 0.0
     tolerance: float = 1e-6
     max_iterations: int = 25
-    refresh: float = 0.2  # factorise the tangent anew when one iteration leaves more than this part of the residual
+    refresh: float = 0.1  # factorise the tangent anew when one iteration leaves more than this part of the residual
     widest_band: int = 400  # beyond it a sparse factorisation costs less
 
     def run(self, term: Term, displacement: np.ndarray, step: np.ndarray, steps: int, *, velocity: np.ndarray | None = None,
@@ -128,7 +128,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     factor = np.array(base)
     if not kernels:
         cholesky(factor)
-    state = np.stack([q, v, a, a, a])  # displacement, velocity, acceleration now, one step and two steps before
+    state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
     dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
     slots = tuple(banded.band_slots(force.dofs, half) for force in term.forces)
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)

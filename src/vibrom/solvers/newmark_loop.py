@@ -22,6 +22,8 @@ _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
 @cache
 def newmark_loop(width: int, forces: int):
+    nonlinear = forces > 0  # a constant of the compilation: the other branch is not even typed
+
     def each(item):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
@@ -32,13 +34,13 @@ def newmark_loop(width: int, forces: int):
 
     def loop(state, h, numbers, max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor, multiply_add, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
-        """Advance `state` (5, n, width) from step `first` to `last`; returns how many records were stored.
+        """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
         `failed` holds the step at which each state stopped converging (-1: none); `counts` iterations, factorisations, whether a factor exists.
         """
         gamma, beta, tolerance, refresh = numbers[0], numbers[1], numbers[2], numbers[3]
         n = state.shape[1]
-        q, v, a, before, earlier = state[0], state[1], state[2], state[3], state[4]
+        q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
         r, f, inertial = np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
         squares, norm, previous, scale = np.empty((4, width)), np.empty(width), np.empty(width), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
@@ -49,10 +51,12 @@ def newmark_loop(width: int, forces: int):
                 for i in range(n):
                     for w in range(width):
                         old = a[i, w]
-                        # The guess continues the acceleration by a parabola: one iteration then does for most steps.
-                        guess = 3.0 * (old - before[i, w]) + earlier[i, w] if forces else 0.0
+                        # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
+                        # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
+                        guess = 2.0 * (old - earlier[i, w]) + oldest[i, w] if nonlinear else 0.0
                         q[i, w] += h[w] * v[i, w] + h[w] * h[w] * ((0.5 - beta) * old + beta * guess)
                         v[i, w] += h[w] * ((1.0 - gamma) * old + gamma * guess)
+                        oldest[i, w] = earlier[i, w]
                         earlier[i, w] = before[i, w]
                         before[i, w] = old
                         a[i, w] = guess
@@ -67,10 +71,9 @@ def newmark_loop(width: int, forces: int):
                         multiply_add(damping, v, inertial)
                     if stiffness.size > 0:
                         multiply_add(stiffness, q, f)
-                    for k in range(forces):
-                        force_kernels[k](q, v, dofs[k], tables[k], f)
-                    if forces:
-                        worst = 0.0
+                    if nonlinear:
+                        for k in range(forces):
+                            force_kernels[k](q, v, dofs[k], tables[k], f)
                         slow = False
                         done = True
                         squares[:] = 0.0
@@ -118,15 +121,15 @@ def newmark_loop(width: int, forces: int):
                             a[i, w] += r[i, w]
                             v[i, w] += scale_v[w] * r[i, w]
                             q[i, w] += scale_q[w] * r[i, w]
-                    if forces == 0:
+                    if not nonlinear:
                         break
                 for w in range(width):
-                    if failed[w] < 0 and ((forces and not norm[w] <= tolerance * scale[w]) or not np.isfinite(a[0, w])):
+                    if failed[w] < 0 and ((nonlinear and not norm[w] <= tolerance * scale[w]) or not np.isfinite(a[0, w])):
                         failed[w] = step
                         counts[2] = 0
                     if failed[w] >= 0:  # at rest from here on: it costs no iterations and cannot overflow
                         for i in range(n):
-                            q[i, w] = v[i, w] = a[i, w] = before[i, w] = earlier[i, w] = 0.0
+                            q[i, w] = v[i, w] = a[i, w] = before[i, w] = earlier[i, w] = oldest[i, w] = 0.0
             if step > first or first == 0:
                 if step >= start and (step - start) % every == 0:
                     store_q[stored], store_v[stored], store_a[stored] = q, v, a

@@ -1,6 +1,13 @@
 # An outside method: a peer's package, called by a script that reads and writes the artefacts with xarray alone.
 # The rule writes rom.nc and losses.nc like any other fit, and its models take part in every experiment and table.
+PYSINDY = METHODS["pysindy_modal"]
 PYSINDY_SCRIPT = ROOT / "workflow/scripts/fit_pysindy_modal.py"
+PYSINDY_SETTINGS = ["modes", "degree", "threshold"]
+
+for KEY, VALUE in PYSINDY["settings"].items():
+    if KEY not in PYSINDY_SETTINGS:
+        CURE = f"is no setting of pysindy_modal; {config_files.closest(KEY, PYSINDY_SETTINGS)}"
+        sys.exit(f"vibrom: config/methods/pysindy_modal.yaml: settings.{KEY} = {VALUE!r} {CURE}")
 
 
 rule fit_pysindy_modal:
@@ -16,12 +23,12 @@ rule fit_pysindy_modal:
         "<benchmarks>/{scene}/pysindy_modal/{seed}/fit.tsv"
     params:
         scene_name="{scene}",
-        settings=METHODS["pysindy_modal"]["settings"],
-        rom_class=METHODS["pysindy_modal"]["rom_class"],
+        settings=PYSINDY["settings"],
+        rom_class=PYSINDY["rom_class"],
         provenance=provenance.script_attributes(PYSINDY_SCRIPT, ("pysindy", "numpy", "sklearn")),
-    threads: METHODS["pysindy_modal"]["resources"]["threads"]
+    threads: PYSINDY["resources"]["threads"]
     resources:
-        mem_mb=METHODS["pysindy_modal"]["resources"]["mem_mb"],
+        mem_mb=PYSINDY["resources"]["mem_mb"],
     priority: 50
     message:
         "{wildcards.scene}: pysindy_modal {wildcards.seed}: fit"

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from vibrom.report import thesis
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.figures import panels, style
-from vibrom.report.tables import outcome, seconds
+from vibrom.report.tables import outcome
 
 OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 FLOOR = 1e-5  # [s] a cost measured as zero is drawn here: the axis is logarithmic
@@ -26,7 +26,7 @@ def draw(collection, scores, scene=None) -> Figure:
         axes[0, column].set_title(name)
         for index, method in enumerate(collection.methods):
             error = scores.spread(name, method, "decay", "nmte_percent")
-            costs = cost(collection, scores, name, method)
+            costs = cost(scores, name, method)
             if not np.isfinite(error.median):
                 lost.append(f"{thesis.label(method)}: {outcome(collection, scores, name, method, 'decay')}")
                 continue
@@ -38,7 +38,7 @@ def draw(collection, scores, scene=None) -> Figure:
                 top = error.maximum if np.isfinite(error.maximum) else error.median
                 seeds = {"color": marker["color"], "linewidth": 1.2, "zorder": 1}
                 panel.plot([max(price, FLOOR)] * 2, [error.minimum, top], **seeds)
-        full = seconds(collection, scores, name, FULL_ORDER, "decay_s").median
+        full = seconds(scores, name, FULL_ORDER, "decay_s")
         if np.isfinite(full):
             online = axes[1, column]
             online.axvline(max(full, FLOOR), color="black", linewidth=1.2, linestyle=(0, (4, 2)))
@@ -53,8 +53,13 @@ def draw(collection, scores, scene=None) -> Figure:
     return figure
 
 
-def cost(collection, scores, scene: str, method: str) -> tuple[float, float]:
-    """Offline and online seconds, medians over seeds; parts that a method does not have count nothing."""
-    parts = [seconds(collection, scores, scene, method, quantity).median for quantity in OFFLINE]
+def seconds(scores, scene: str, model: str, quantity: str) -> float:
+    """One run time, median over seeds."""
+    return scores.spread(scene, model, "run_times", quantity, worst=False).median
+
+
+def cost(scores, scene: str, method: str) -> tuple[float, float]:
+    """Offline and online seconds; parts that a method does not have count nothing."""
+    parts = [seconds(scores, scene, method, quantity) for quantity in OFFLINE]
     offline = float(np.nansum(parts)) if np.isfinite(parts).any() else np.nan
-    return offline, seconds(collection, scores, scene, method, "decay_s").median
+    return offline, seconds(scores, scene, method, "decay_s")

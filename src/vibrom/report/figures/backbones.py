@@ -4,12 +4,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report import thesis
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, probe_name
+from vibrom.report.collection import FULL_ORDER, UNSEEDED, answered, probe_name
 from vibrom.report.figures import panels, style
 
 
 def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
     """Frequency [rad/s] and amplitude [m] at the probe, without the padding."""
+    if not answered(backbone):
+        return np.array([]), np.array([])
     probe = [str(name) for name in backbone["probe"].values].index(probe_name(backbone))
     at_probe = backbone.transpose("probe", ...).isel(probe=probe)
     frequency, amplitude = at_probe["angular_frequency"].values, at_probe["amplitude"].values
@@ -24,7 +26,7 @@ def draw(collection, scores, scene=None) -> Figure:
         panel.set(title=name, xlabel="angular frequency [rad/s]", ylabel="probe amplitude [m]")
         truth = collection.find(name, FULL_ORDER, "backbone", UNSEEDED)
         low, high = -np.inf, np.inf
-        if truth is not None and curve(truth)[0].size:
+        if curve(truth)[0].size:
             frequency, amplitude = curve(truth)
             handles[thesis.label(FULL_ORDER)] = panel.plot(frequency, amplitude, **style.FULL_ORDER)[0]
             # The hardening is a few rad/s: a model that is far off is named instead of squeezing all others together.
@@ -36,7 +38,7 @@ def draw(collection, scores, scene=None) -> Figure:
         said = [] if truth is not None else ["full order: not in this run"]
         for index, method in enumerate(collection.methods):
             seed, backbone = panels.drawn(collection, scores, name, method, "backbone")
-            points = curve(backbone) if backbone is not None else (np.array([]), np.array([]))
+            points = curve(backbone)
             inside = (points[0] >= low) & (points[0] <= high)
             if inside.any():
                 line = style.look(index, markevery=(index, 7), linewidth=0.9)

@@ -1,9 +1,8 @@
 """The test decay at the probe, every method against the full order (figures 3.5, 3.6 and 3.7)."""
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import at_probe
+from vibrom.report.collection import answered, at_probe
 from vibrom.report.figures import panels, style
 
 
@@ -15,7 +14,7 @@ def draw(collection, scores, scene) -> Figure:
         panel.set(title=panels.title(method, seed, scores.value(scene, method, seed, "decay", "nmte_percent")),
                   xlabel="time [s]", ylabel="probe [m]")
         panel.tick_params(labelbottom=True)
-        if decay is not None and np.isfinite(at_probe(decay, "probe_true")).any():
+        if answered(decay):
             true, predicted = at_probe(decay, "probe_true"), at_probe(decay, "probe_displacement")
             time, true, predicted = panels.thinned(decay["time"].values, true, predicted, limit=1500)
             panel.plot(time, true, **style.TRUE | {"linewidth": 1.6}, label="full order")

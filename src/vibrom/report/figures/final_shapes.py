@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import FULL_ORDER, scalar
+from vibrom.report.collection import FULL_ORDER, answered, scalar
 from vibrom.report.figures import body, panels
 
 
@@ -37,7 +37,7 @@ class Block:
     def __init__(self, collection, scores, scene: str, methods: list[str]):
         self.structure = collection.find(scene, FULL_ORDER, "structure")
         self.runs = [panels.drawn(collection, scores, scene, method, "forced") for method in methods]
-        found = [run for _, run in self.runs if run is not None]
+        found = [run for _, run in self.runs if answered(run)]
         self.truth = next((shape for run in found if np.isfinite(shape := run["final_shape_true"].values).all()), None)
         known = self.truth is not None and self.structure is not None
         self.factor = body.magnification(self.structure, self.truth) if known else 1.0
@@ -69,6 +69,6 @@ class Block:
         if self.truth is not None:
             cells = body.quadrilaterals(self.structure, self.truth, self.factor)
             panel.add_collection(PolyCollection(list(cells), facecolor="0.72", edgecolor="0.72", linewidth=0.3))
-        if run is not None and np.isfinite(run["final_shape"].values).all():
+        if answered(run) and np.isfinite(run["final_shape"].values).all():
             for loop in body.outlines(self.structure, run["final_shape"].values, self.factor):
                 panel.plot(*loop.T, color="#8a2a0b", linewidth=0.8)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import FULL_ORDER, at_probe, scalar
+from vibrom.report.collection import FULL_ORDER, answered, at_probe, scalar
 from vibrom.report.figures import panels, style
 
 
@@ -51,9 +51,9 @@ def compare(whole, last, truth, run) -> None:
     period = float(scalar(truth, "period", scalar(run, "period")))
     if not np.isfinite(period):
         return
-    end = max((float(data["time"].values[-1]) for data in (truth, run) if data is not None), default=0.0)
+    end = max((float(data["time"].values[-1]) for data in (truth, run) if answered(data)), default=0.0)
     for data, line, name in ((truth, style.TRUE, "full order"), (run, style.PREDICTED, "reduced model")):
-        values = at_probe(data, "probe_displacement") if data is not None else None
+        values = at_probe(data, "probe_displacement") if answered(data) else None
         if values is None or not np.isfinite(values).any():
             continue
         time = data["time"].values

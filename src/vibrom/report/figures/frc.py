@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report import curves, thesis
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, at_probe, scalar
+from vibrom.report.collection import FULL_ORDER, UNSEEDED, answered, at_probe, scalar
 from vibrom.report.figures import panels, style
 
 
@@ -37,6 +37,9 @@ def draw(collection, scores, quantity: str, axis: str) -> Figure:
             _, curve = (UNSEEDED, truth) if whole else panels.drawn(collection, scores, scene, model, "frc")
             if curve is None:
                 said.append(f"{thesis.label(model)}: not in this run")
+                continue
+            if not answered(curve):
+                said.append(f"{thesis.label(model)}: {panels.ending(curve, 'response curve')}")
                 continue
             values = at_probe(curve, quantity)
             line = style.FULL_ORDER if whole else style.look(index - 1, markevery=(index % 3, 3), linewidth=0.9)

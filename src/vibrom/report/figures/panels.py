@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vibrom.report import thesis
-from vibrom.report.collection import UNSEEDED, Collection, scalar
+from vibrom.report.collection import UNSEEDED, Collection, answered, scalar
 from vibrom.report.scores import Scores
 
 ENDINGS = {
@@ -62,7 +62,10 @@ def drawn(collection: Collection, scores: Scores, scene: str, method: str, name:
     if not seeds:
         return UNSEEDED, None
     seed = scores.median_seed(scene, method, seeds)
-    return seed, collection.find(scene, method, name, seed)
+    dataset = collection.find(scene, method, name, seed)
+    if dataset is not None and not answered(dataset):
+        dataset = dataset.assign_attrs(reason=scalar(collection.find(scene, method, "rom", seed), "reason", ""))
+    return seed, dataset
 
 
 def title(method: str, seed: str, error: float | None = None) -> str:

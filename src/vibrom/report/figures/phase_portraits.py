@@ -6,6 +6,7 @@ Of r reduced coordinates the first is drawn against number r/2 + 1: position aga
 import numpy as np
 from matplotlib.figure import Figure
 
+from vibrom.report.collection import answered
 from vibrom.report.figures import panels, style
 
 
@@ -15,7 +16,7 @@ def draw(collection, scores, scene) -> Figure:
     for panel, method in zip(axes, collection.methods):
         seed, decay = panels.drawn(collection, scores, scene, method, "decay")
         panel.set(title=panels.title(method, seed), xlabel="$z$ [–]", ylabel=r"$\dot z$ [1/s]")
-        if decay is not None and "encoded" in decay:
+        if answered(decay):
             portrait(panel, decay)
         if text := panels.ending(decay, "decay"):
             panels.words(panel, text, place="below")

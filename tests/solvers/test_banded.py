@@ -1,0 +1,34 @@
+"""Banded products, factors and solves against SciPy's dense ones."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+
+from vibrom.solvers import banded
+
+
+@pytest.mark.parametrize("width", [1, 3, 8])
+def test_product_and_solve(width):
+    rng, n, half = np.random.default_rng(0), 40, 5
+    full = np.tril(np.triu(rng.standard_normal((n, n)), -half))
+    full = full @ full.T + n * np.eye(n)
+    band = banded.to_band(csr_matrix(full), banded.half_bandwidth(csr_matrix(full)))
+    multiply_add, cholesky, solve = banded.kernels(width)
+    x, y = rng.standard_normal((n, width)), np.ones((n, width))
+    multiply_add(band, x, y)
+    np.testing.assert_allclose(y, 1 + full @ x, rtol=1e-12)
+    factors = np.ascontiguousarray(band[:, :, None] * np.arange(1, width + 1.0))
+    cholesky(factors)
+    b = x.copy()
+    solve(factors, b)
+    np.testing.assert_allclose(b * np.arange(1, width + 1.0), np.linalg.solve(full, x), rtol=1e-10)
+
+
+def test_indefinite_state_spoils_no_other():
+    matrix = np.array([np.eye(3), -np.eye(3)])
+    factors = np.zeros((3, 1, 2))
+    factors[:, 0, :] = np.einsum("wjj->jw", matrix)
+    _, cholesky, _ = banded.kernels(2)
+    cholesky(factors)
+    assert np.isfinite(factors[..., 0]).all()
+    assert not np.isfinite(factors[..., 1]).all()

@@ -1,0 +1,135 @@
+"""Newmark: order two, energy, linear closed form, batch equals loop, sparse equals banded, failures reported."""
+
+import numpy as np
+import pytest
+from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
+
+from vibrom import effects, space
+from vibrom.modes import eigenmodes
+from vibrom.solvers.newmark import Newmark, Record
+
+
+@pytest.fixture(scope="module")
+def cantilever():
+    made = space.build(CANTILEVER)
+    return made, effects.assemble(made, THESIS)
+
+
+@pytest.fixture(scope="module")
+def undamped():
+    made = space.build(body(cells=[4, 1], height=0.2))
+    return made, effects.assemble(made, UNDAMPED)
+
+
+def test_linear_decay_is_that_of_the_damped_mode():
+    """q = phi e^{-zeta omega t} (cos omega_d t + zeta/sqrt(1-zeta^2) sin omega_d t), up to the method's second order."""
+    made = space.build(CANTILEVER)
+    term = effects.assemble(made, {**LINEAR, "rayleigh_damping": {"damping_ratio": 0.01}})
+    (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
+    damped, steps = omega * np.sqrt(1 - 1e-4), 2000
+    step = 2 * np.pi / damped / 400
+    motion = Newmark().run(term, 0.01 * phi[:, None], np.array([step]), steps)
+    t = motion.kept * step
+    exact = 0.01 * np.exp(-0.01 * omega * t) * (np.cos(damped * t) + 0.01 / np.sqrt(1 - 1e-4) * np.sin(damped * t))
+    modal = motion.displacement[0] @ (term.mass @ phi)
+    # Period error (omega h)^2/12 = 2e-5 a radian, over 5 periods 31 rad: 6.5e-4 of the amplitude.
+    assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
+
+
+def test_order_two(undamped):
+    """The steps resolve even the fastest mode, which the release excites: only then is the error that of the leading order."""
+    made, term = undamped
+    (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
+    start = (0.2 / np.abs(phi).max() * phi)[:, None]
+    period, ends = 2 * np.pi / omega, []
+    counts = [4000, 8000, 16000, 32000]
+    for count in counts:
+        motion = Newmark(tolerance=1e-10).run(term, start, np.array([0.25 * period / count]), count, record=Record(every=count))
+        assert motion.outcomes == ["ok"]
+        ends.append(phi @ (term.mass @ motion.displacement[0, -1]))
+    # Three halvings give two ratios of successive differences, each 2^order.
+    orders = np.log2(np.abs(np.diff(ends))[:-1] / np.abs(np.diff(ends))[1:])
+    np.testing.assert_allclose(orders, 2.0, atol=0.1)
+
+
+def test_energy_of_an_undamped_motion_stays(undamped):
+    """Trapezoidal rule: energy is not conserved exactly by a nonlinear body, but its error is of second order and does not drift away."""
+    made, term = undamped
+    (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
+    start = (0.05 / np.abs(phi).max() * phi)[:, None]
+    errors = []
+    for count in (4000, 8000):
+        motion = Newmark(tolerance=1e-10).run(term, start, np.array([2 * np.pi / omega / count]), 3 * count, record=Record(every=count // 50))
+        energy = np.array([0.5 * v @ (term.mass @ v) + strain_energy(made, term, q) for q, v in zip(motion.displacement[0], motion.velocity[0])])
+        errors.append(np.abs(energy / energy[0] - 1).max())
+    assert errors[1] < 1e-4 and errors[1] == pytest.approx(errors[0] / 4, rel=0.2)
+
+
+def strain_energy(made, term, u):
+    """W = int_0^1 u . f(s u) ds exactly: f is a cubic in s, so two Gauss points do."""
+    force, points = term.forces[0], 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3)
+    total = 0.0
+    for s in points:
+        f = np.zeros((made.size, 1))
+        force.kernels(1)[0](s * u[:, None], np.zeros((made.size, 1)), force.dofs, force.table, f)
+        total += 0.5 * u @ (term.stiffness @ (s * u) + f[:, 0])
+    return total
+
+
+def test_batch_equals_loop(cantilever):
+    made, term = cantilever
+    steps, forcing = 1000, np.array([1.0, 600.0, 3000.0, 6000.0])
+    signal = np.sin(2 * np.pi * np.arange(steps + 1) / 500)[:, None] * forcing
+    step, rest = np.full(4, 2 * np.pi / 398.0325 / 500), np.zeros((made.size, 4))
+    solver = Newmark(alpha=0.005, tolerance=1e-8)
+    together = solver.run(term, rest, step, steps, signal=signal)
+    for index in range(4):
+        alone = solver.run(term, rest[:, [index]], step[[index]], steps, signal=signal[:, [index]])
+        # Both are solved to 1e-8; the tangents that they iterate with differ.
+        scale = np.abs(alone.displacement).max()
+        assert np.abs(together.displacement[index] - alone.displacement[0]).max() <= 1e-5 * scale
+
+
+def test_sparse_equals_banded(cantilever):
+    made, term = cantilever
+    signal = 3000 * np.sin(2 * np.pi * np.arange(201) / 500)[:, None]
+    step, rest = np.array([2 * np.pi / 398.0325 / 500]), np.zeros((made.size, 1))
+    banded = Newmark(tolerance=1e-8).run(term, rest, step, 200, signal=signal)
+    sparse = Newmark(tolerance=1e-8, widest_band=0).run(term, rest, step, 200, signal=signal)
+    assert np.abs(banded.displacement - sparse.displacement).max() <= 1e-6 * np.abs(banded.displacement).max()
+    assert sparse.outcomes == ["ok"]
+
+
+def test_equilibrium_gives_the_initial_acceleration(cantilever):
+    made, term = cantilever
+    start = np.random.default_rng(0).standard_normal((made.size, 1)) * 1e-3
+    motion = Newmark().run(term, start, np.array([1e-5]), 1)
+    f = np.zeros((made.size, 1))
+    force = term.forces[0]
+    force.kernels(1)[0](start, np.zeros_like(start), force.dofs, force.table, f)
+    residual = term.mass @ motion.acceleration[0, 0] + term.stiffness @ start[:, 0] + f[:, 0]
+    assert np.abs(residual).max() <= 1e-9 * np.abs(f).max()
+
+
+def test_failed_convergence_has_a_time_and_spoils_no_other(cantilever):
+    made, term = cantilever
+    # Two steps a period of a load that folds the beam: Newton's method cannot follow it.
+    signal = np.stack([np.full(60, 1e-3), np.full(60, 5e7), np.full(60, 1e-3)], axis=1)
+    motion = Newmark(max_iterations=8).run(term, np.zeros((made.size, 3)), np.full(3, 8e-3), 59, signal=signal)
+    assert motion.outcomes == ["ok", "no_convergence", "ok"]
+    assert 0 < motion.failed_at[1] <= 59 * 8e-3
+    failed = round(motion.failed_at[1] / 8e-3)
+    assert np.isnan(motion.displacement[1, failed:]).all() and np.isfinite(motion.displacement[[0, 2]]).all()
+
+
+def test_records_what_is_asked(cantilever):
+    made, term = cantilever
+    signal = 600 * np.sin(2 * np.pi * np.arange(4101) / 1000)[:, None]
+    step = np.array([2 * np.pi / 398.0325 / 1000])
+    whole = Newmark(alpha=0.005).run(term, np.zeros((made.size, 1)), step, 4100, signal=signal, record=Record(probes=np.array([3, 7])))
+    part = Newmark(alpha=0.005).run(term, np.zeros((made.size, 1)), step, 4100, signal=signal,
+                                    record=Record(every=7, start=1990, probes=np.array([7]), probe_start=1995))
+    np.testing.assert_array_equal(part.displacement[0], whole.displacement[0, 1990::7])
+    np.testing.assert_array_equal(part.acceleration[0], whole.acceleration[0, 1990::7])
+    np.testing.assert_array_equal(part.probes[0, 0], whole.probes[0, 1, 1995:])
+    np.testing.assert_array_equal(whole.probes[0, 0], whole.displacement[0, :, 3])

@@ -1,0 +1,57 @@
+"""A run that was killed is taken over by the next; one that is going on is left alone."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from project_copy import ROOT, command
+
+# `first` is made at once; `second` takes its time once, as long as the file `slow` is there.
+SNAKEFILE = """
+from pathlib import Path
+include: "{rules}"
+rule second:
+    input: "first"
+    output: "second"
+    shell: "while [ -e slow ]; do sleep 0.1; done; touch {{output}}"
+rule first:
+    output: "first"
+    shell: "touch {{output}}"
+"""
+
+
+@pytest.fixture
+def running(tmp_path):
+    """A run that is under way in `tmp_path`."""
+    (tmp_path / "Snakefile").write_text(SNAKEFILE.format(rules=ROOT / "workflow/rules/resume.smk"))
+    (tmp_path / "slow").touch()
+    line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "1"]
+    run = subprocess.Popen(line, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    for _ in range(600):
+        if (tmp_path / "first").exists() and (tmp_path / ".snakemake/incomplete").exists():
+            break
+        time.sleep(0.1)
+    time.sleep(1.0)
+    yield run
+    (tmp_path / "slow").unlink(missing_ok=True)
+    run.kill()
+    run.wait()
+
+
+def test_killed_run_is_resumed(running, tmp_path):
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    (tmp_path / "slow").unlink()
+    made = (tmp_path / "first").stat().st_mtime_ns
+    again = command(tmp_path, "--cores", "1", "--rerun-incomplete")
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "second").exists() and (tmp_path / "first").stat().st_mtime_ns == made
+
+
+def test_run_under_way_is_left_alone(running, tmp_path):
+    other = command(tmp_path, "--cores", "1", "--rerun-incomplete")
+    assert other.returncode != 0 and "cannot be locked" in other.stdout + other.stderr
+    assert running.poll() is None
