@@ -42,9 +42,13 @@ def is_module(module: str) -> bool:
 
 @cache
 def tree(module: str) -> ast.Module:
-    """The parsed source, without docstrings, of `vibrom` or of a module below it, by its full name."""
+    """The parsed source of `vibrom` or of a module below it, by its full name."""
     path = PACKAGE.joinpath(*module.split(".")[1:])
-    path = path / "__init__.py" if is_package(module) else path.with_suffix(".py")
+    return parse(path / "__init__.py" if is_package(module) else path.with_suffix(".py"))
+
+
+def parse(path: Path) -> ast.Module:
+    """A source file without docstrings."""
     parsed = ast.parse(path.read_bytes(), filename=str(path))
     _strip(parsed)
     return parsed

@@ -15,7 +15,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from vibrom.plugs import is_module, is_package, tree
+from vibrom.plugs import is_module, is_package, parse, tree
 
 DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
@@ -99,7 +99,7 @@ def script_attributes(path: str | Path, names: tuple[str, ...]) -> dict[str, str
     """`attributes` of a script outside vibrom that computes with these packages."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     return {
-        "source_digest": hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16],
+        "source_digest": hashlib.sha256(ast.dump(parse(Path(path))).encode()).hexdigest()[:16],
         "versions": json.dumps({"python": python, **versions(names)}, sort_keys=True),
     }
 

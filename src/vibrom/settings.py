@@ -139,7 +139,7 @@ def check_scene(scene: dict[str, Any], place: Place) -> None:
         check_plug("effects", effect, given or {}, place, ("effects", effect))
     body, time = scene["body"], scene["time"]
     for probe, where_at in body["probes"].items():
-        check_probe(body, where_at["at"], where_at["direction"], place(("body", "probes", probe, "at")))
+        check_probe(body, where_at["at"], place(("body", "probes", probe, "at")))
     if scene["releases"]["train"] == scene["releases"]["test"]:
         file, where = place(("releases", "test"))
         raise SettingsError(
@@ -158,9 +158,9 @@ def check_scene(scene: dict[str, Any], place: Place) -> None:
         raise SettingsError(file, where, scene["frc"]["from"], f"is not below frc.to = {scene['frc']['to']}; swap them")
 
 
-def check_probe(body: dict[str, Any], point: list[float], direction: str, place: tuple[str, tuple]) -> None:
+def check_probe(body: dict[str, Any], point: list[float], stands: tuple[Path, tuple]) -> None:
     """A probe sits on a node that can move."""
-    parts = 2 if body["element"] == "quadratic" else 1
+    parts = 1 if body["element"] == "bilinear" else 2
     spacing = [
         size / (cells * parts) for size, cells in zip((body["length"], body["height"]), body["cells"], strict=True)
     ]
@@ -169,7 +169,7 @@ def check_probe(body: dict[str, Any], point: list[float], direction: str, place:
     ]
     if max(abs(x - y) for x, y in zip(point, nearest, strict=True)) > 1e-6:
         raise SettingsError(
-            *place, point, f"is no node of the mesh; the nearest one is {[float(f'{x:.9g}') for x in nearest]}"
+            *stands, point, f"is no node of the mesh; the nearest one is {[float(f'{x:.9g}') for x in nearest]}"
         )
     edges = {
         "left": point[0] == 0,
@@ -179,7 +179,7 @@ def check_probe(body: dict[str, Any], point: list[float], direction: str, place:
     }
     held = [edge for edge in body["clamped"] if edges[edge]]
     if held:
-        raise SettingsError(*place, point, f"lies on the clamped {held[0]} edge and cannot move; choose another node")
+        raise SettingsError(*stands, point, f"lies on the clamped {held[0]} edge and cannot move; choose another node")
 
 
 def check_method(name: str, method: dict[str, Any], place: Place) -> None:

@@ -12,7 +12,8 @@ import skfem
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-ELEMENTS = {"bilinear": skfem.ElementQuad1, "quadratic": skfem.ElementQuad2}
+# name -> element and the polynomial degree that its quadrature integrates (2 x 2, 3 x 3 Gauss points)
+ELEMENTS = {"bilinear": (skfem.ElementQuad1, 3), "quadratic": (skfem.ElementQuad2, 5), "serendipity": (skfem.ElementQuadS2, 5)}
 EDGES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
 AXES = {"x": 0, "y": 1}
 
@@ -60,11 +61,10 @@ class Space:
 
 def build(body: dict[str, Any]) -> Space:
     """The space of a scene's `body` block (a rectangle of quadrilaterals)."""
-    (columns, rows), element = body["cells"], ELEMENTS[body["element"]]()
+    (columns, rows), (element, order) = body["cells"], ELEMENTS[body["element"]]
     mesh = skfem.MeshQuad.init_tensor(np.linspace(0, body["length"], columns + 1), np.linspace(0, body["height"], rows + 1))
-    order = {"bilinear": 3, "quadratic": 5}[body["element"]]
-    basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=order)
-    scalar = basis.with_element(element)
+    basis = skfem.Basis(mesh, skfem.ElementVector(element()), intorder=order)
+    scalar = basis.with_element(element())
     clamped = [basis.get_dofs(_edge(body, name)).all() for name in body["clamped"]]
     free = np.setdiff1d(np.arange(basis.N), np.concatenate(clamped) if clamped else [])
     pattern = csr_matrix(skfem.BilinearForm(lambda u, v, w: u[0] * v[0] + u[1] * v[1] + u[0] * v[1] + u[1] * v[0]).assemble(basis))

@@ -9,7 +9,7 @@ from skfem.helpers import ddot, grad, identity, trace
 from vibrom import effects, space
 from vibrom.solvers.banded import band_slots
 
-CASES = [("bilinear", "stress"), ("bilinear", "strain"), ("quadratic", "stress"), ("quadratic", "strain")]
+CASES = [("bilinear", "stress"), ("bilinear", "strain"), ("quadratic", "stress"), ("serendipity", "strain")]
 
 
 def built(element, plane):

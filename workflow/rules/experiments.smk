@@ -18,7 +18,7 @@ def artefacts(experiment, needs, model):
             inputs[need] = f"<results>/{{scene}}/{settings.FULL_ORDER}/{need}.nc"
         else:
             known = ", ".join((*FULL_ORDER_NAMES, "rom", "losses", *EXPERIMENTS))
-            sys.exit(f"vibrom: src/vibrom/experiments/{experiment}.py: needs {need!r}, made by no rule; choose from {known}")
+            sys.exit(f"vibrom: experiments/{experiment}.py: needs {need!r}, which no rule makes; choose from {known}")
     return inputs
 
 

@@ -14,11 +14,12 @@ def start_input(method):
 
 
 def checkpoint(method):
-    """Where an interrupted training goes on from; another scene, setting or code begins anew, with a file of its own."""
+    """Where an interrupted training goes on from; another scene, setting or code begins anew, in its own file."""
 
     def path(wildcards, output):
         recipe = (SCENES[wildcards.scene], METHODS[method], code("fit", f"methods.{method}"))
-        return str(Path(output.rom).with_name(f"checkpoint_{hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]}.npz"))
+        key = hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]
+        return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
 
     return path
 
