@@ -7,6 +7,7 @@ writes all or nothing; `open_dataset` refuses a file that is torn, foreign or of
 
 import json
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,9 @@ def save_dataset(dataset: xr.Dataset, path: str | Path, provenance: dict[str, st
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
         os.replace(partial, target)
     except (OSError, RuntimeError) as error:
-        raise DataError(f"{path}: cannot be written ({error}); free space or choose another results folder, then run again") from error
+        # HDF5 reports a full disk as an error of its own.
+        why = "no space left on the disk" if shutil.disk_usage(target.parent).free < dataset.nbytes else str(error)
+        raise DataError(f"{path}: cannot be written ({why}); free space or choose another results folder, then run again") from error
     finally:
         partial.unlink(missing_ok=True)
 

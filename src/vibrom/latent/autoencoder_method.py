@@ -72,8 +72,9 @@ class AutoencoderMethod(Method):
         import torch
 
         from vibrom.latent.autoencoder import Autoencoder
-        from vibrom.latent.training import Schedule, pick_device, train
+        from vibrom.latent.training import Schedule, pick_device, train, warm_up
 
+        warm_up()
         with training.monitor.phase("mapping"):
             chosen = coordinates.choose(training, rank=self.rank, modes=self._modes, scaled=self.scaled, time_scale=self.time_scale)
             stack = chosen.stack(training.trajectories, self.every)

@@ -64,6 +64,13 @@ def pick_device(name: str) -> torch.device:
     return torch.device(name)
 
 
+def warm_up() -> None:
+    """One step of an optimiser on nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
+    nothing = torch.zeros(1, requires_grad=True)
+    nothing.square().sum().backward()
+    torch.optim.Adam([nothing]).step()
+
+
 class Learner:
     """Autoencoder, dynamics and their one vector of parameters."""
 

@@ -59,8 +59,8 @@ def sections(tables: dict[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
 
 def show(tables: dict[str, pd.DataFrame], places: dict[str, str], console: Console) -> None:
     for title, frame in sections(tables).items():
-        table = Table(title=title, title_justify="left", title_style="bold", header_style="", pad_edge=False)
-        table.show_edge = False
+        console.print(title, style="bold", highlight=False)
+        table = Table(header_style="", pad_edge=False, show_edge=False)
         for index, column in enumerate(frame.columns):
             table.add_column(str(column), justify="left" if index == 0 else "right")
         for row in frame.itertuples(index=False):
