@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrom.rom import Rom
-from vibrom.solvers.dop853 import integrate
 
 LIMIT = 10.0  # times the training range: beyond it a run has diverged
 MARGIN = 1.01  # times the training range: beyond it a run has left the range; the margin covers the training data's own sampling
@@ -47,6 +46,9 @@ class Rollout:
 
 def rollout(rom: Rom, start: np.ndarray, times: np.ndarray, integrator: Integrator, drive: Drive | None = None) -> Rollout:
     """z from `start` (b, r) at t = 0, sampled at `times` (b, m) [s]; the model's first frequency sets the first step."""
+    # Half of what a job without a rollout would spend on imports.
+    from vibrom.solvers.dop853 import integrate
+
     began = time.perf_counter()
     limit = LIMIT * rom.reach
     # Reaches of z and of dz/dt differ by the frequency of the motion: their ratio is a time scale.

@@ -164,7 +164,7 @@ class Method(ABC):
     def fit(self, training: Training) -> Rom: ...
 
     def skip(self, scene: dict[str, Any]) -> str | None:
-        """Why this method is not asked in this scene, or None."""
+        """Why this method is not asked in a scene with these `body` and `effects` blocks, or None."""
         return None
 
 

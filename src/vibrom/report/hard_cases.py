@@ -12,10 +12,10 @@ COLUMNS = ("Case", "Model", "Asked for", "Outcome", "Seeds", "When [s]", "NMTE [
 
 
 def table(collection: Collection, scores: Scores, points: pd.DataFrame | None = None) -> pd.DataFrame:
-    """All outcomes but `ok`, as text; `points` are those of the response curves."""
+    """All outcomes but `ok`, as text, those without a value first; `points` are those of the response curves."""
     rows = [*full_order(collection), *predictions(collection, scores), *curves(points)]
     order = {scene: place for place, scene in enumerate(collection.scenes)}
-    rows.sort(key=lambda row: order.get(row[0], len(order)))
+    rows.sort(key=lambda row: (order.get(row[0], len(order)), row[3].startswith("left_range")))
     return pd.DataFrame([[row[0], thesis.label(row[1]), *row[2:]] for row in rows], columns=list(COLUMNS))
 
 

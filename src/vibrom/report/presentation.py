@@ -54,13 +54,14 @@ def printed(value) -> str:
     return value if isinstance(value, str) else GONE if value is None or pd.isna(value) else f"{value:.6g}"
 
 
-def folded(frame: pd.DataFrame, stem: str) -> list[str]:
+def folded(frame: pd.DataFrame, stem: str, digits: int = 4) -> list[str]:
     """`median (min to max)`; the range only where seeds differ."""
     cells = []
     for middle, low, high in zip(frame[stem], frame[f"{stem}_min"], frame[f"{stem}_max"]):
         several = pd.notna(low) and (pd.isna(high) or low != high)
-        top = number(high) if pd.notna(high) else "failed"
-        cells.append(f"{number(middle)} ({number(low)} to {top})" if several else number(middle))
+        top = number(high, digits) if pd.notna(high) else "failed"
+        median = number(middle, digits)
+        cells.append(f"{median} ({number(low, digits)} to {top})" if several else median)
     return cells
 
 
@@ -78,7 +79,8 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
         if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES:
             continue  # printed in the cell of our own time
         several = f"{column}_min" in frame.columns
-        values = folded(frame, column) if several else [number(value) for value in frame[column]]
+        digits = 6 if name == "eigenvalues" else 4  # models differ from one another in the fourth
+        values = folded(frame, column, digits) if several else [number(value) for value in frame[column]]
         if column == "method":
             values = [thesis.label(value) for value in frame[column]]
         if column == "nmte_percent":
@@ -99,7 +101,7 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
 def on_its_side(frame: pd.DataFrame) -> pd.DataFrame:
     """Properties down, cases across."""
     kept = [column for column in frame.columns if column not in ("case", "method", "outcome")]
-    sides = {str(row["case"]): [printed(row[column]) for column in kept] for _, row in frame.iterrows()}
+    sides = {str(row["case"]): [printed(row[column]).replace("_", " ") for column in kept] for _, row in frame.iterrows()}
     return pd.DataFrame({"Property": [WORDS.get(column, column) for column in kept], **sides})
 
 

@@ -38,7 +38,7 @@ def band_slots(dofs: np.ndarray, half: int) -> np.ndarray:
 
 @cache
 def kernels(width: int):
-    """(multiply_add, cholesky, solve) for `width` states."""
+    """(multiply_add, multiply_add_each, cholesky, solve) for `width` states."""
 
     @njit([types.void(_one, _one, _one)], cache=True, fastmath=True, error_model="numpy")
     def multiply_add(band, x, y):
@@ -52,6 +52,18 @@ def kernels(width: int):
                 for w in range(width):
                     y[j + d, w] += value * x[j, w]
                     y[j, w] += value * x[j + d, w]
+
+    @njit([types.void(_band, _one, _one)], cache=True, fastmath=True, error_model="numpy")
+    def multiply_add_each(band, x, y):
+        """y += A x, an A for each state."""
+        n, depth = band.shape[0], band.shape[1]
+        for j in range(n):
+            for w in range(width):
+                y[j, w] += band[j, 0, w] * x[j, w]
+            for d in range(1, min(depth, n - j)):
+                for w in range(width):
+                    y[j + d, w] += band[j, d, w] * x[j, w]
+                    y[j, w] += band[j, d, w] * x[j + d, w]
 
     @njit([types.void(_band)], cache=True, fastmath=True, error_model="numpy")
     def cholesky(band):
@@ -90,4 +102,4 @@ def kernels(width: int):
             for w in range(width):
                 x[j, w] *= band[j, 0, w]
 
-    return multiply_add, cholesky, solve
+    return multiply_add, multiply_add_each, cholesky, solve

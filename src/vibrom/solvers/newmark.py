@@ -99,7 +99,7 @@ class Motion:
 
 def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initial: str, record: Record, out: Motion, where: slice, progress) -> None:
     n, width = q.shape
-    multiply_add, cholesky, solve = banded.kernels(width)
+    multiply_add, multiply_add_each, cholesky, solve = banded.kernels(width)
     kernels = [force.kernels(width) for force in term.forces]
     loop = newmark_loop(width, len(kernels))
     started = time.perf_counter()
@@ -142,7 +142,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
             stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor,
-                          multiply_add, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
+                          multiply_add, multiply_add_each, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
                           failed, counts, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
         for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):

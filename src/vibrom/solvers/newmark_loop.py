@@ -16,6 +16,7 @@ from vibrom.term import FORCE, TANGENT
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
 _i1, _i2 = types.int64[::1], types.int64[:, ::1]
 _MULTIPLY = types.FunctionType(types.void(_f2, _f2, _f2))
+_EACH = types.FunctionType(types.void(_f3, _f2, _f2))
 _CHOLESKY = types.FunctionType(types.void(_f3))
 _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
@@ -28,11 +29,11 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _CHOLESKY, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor, multiply_add, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -41,7 +42,7 @@ def newmark_loop(width: int, forces: int):
         gamma, beta, tolerance, refresh = numbers[0], numbers[1], numbers[2], numbers[3]
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
-        r, f, inertial = np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        r, f, inertial, linear = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
         squares, norm, previous, scale = np.empty((4, width)), np.empty(width), np.empty(width), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         values = factor.reshape(factor.shape[0] * factor.shape[1], width)
@@ -62,15 +63,17 @@ def newmark_loop(width: int, forces: int):
                         a[i, w] = guess
                 done = False
                 for iteration in range(max_iterations + 1):
-                    for i in range(n):
-                        for w in range(width):
-                            inertial[i, w] = 0.0
-                            f[i, w] = 0.0
-                    multiply_add(mass, a, inertial)
-                    if damping.size > 0:
-                        multiply_add(damping, v, inertial)
-                    if stiffness.size > 0:
-                        multiply_add(stiffness, q, f)
+                    # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
+                    if iteration == 0:
+                        inertial[:], linear[:] = 0.0, 0.0
+                        multiply_add(mass, a, inertial)
+                        if damping.size > 0:
+                            multiply_add(damping, v, inertial)
+                        if stiffness.size > 0:
+                            multiply_add(stiffness, q, linear)
+                    else:
+                        multiply_add_each(base, r, linear)
+                    f[:] = 0.0
                     if nonlinear:
                         for k in range(forces):
                             force_kernels[k](q, v, dofs[k], tables[k], f)
@@ -80,15 +83,19 @@ def newmark_loop(width: int, forces: int):
                         for i in range(n):
                             for w in range(width):
                                 p = load[i] * signal[step, w]
-                                residual = p - inertial[i, w] - f[i, w]
+                                if iteration == 0:
+                                    spring = linear[i, w] + f[i, w]
+                                    squares[1, w] += inertial[i, w] * inertial[i, w]
+                                    squares[2, w] += spring * spring
+                                    squares[3, w] += p * p
+                                    linear[i, w] += inertial[i, w]
+                                residual = p - linear[i, w] - f[i, w]
                                 r[i, w] = residual
                                 squares[0, w] += residual * residual
-                                squares[1, w] += inertial[i, w] * inertial[i, w]
-                                squares[2, w] += f[i, w] * f[i, w]
-                                squares[3, w] += p * p
                         for w in range(width):
                             norm[w] = np.sqrt(squares[0, w])
-                            scale[w] = np.sqrt(squares[1, w]) + np.sqrt(squares[2, w]) + np.sqrt(squares[3, w])
+                            if iteration == 0:
+                                scale[w] = np.sqrt(squares[1, w]) + np.sqrt(squares[2, w]) + np.sqrt(squares[3, w])
                         for w in range(width):
                             if failed[w] >= 0:
                                 continue
@@ -112,7 +119,7 @@ def newmark_loop(width: int, forces: int):
                     else:
                         for i in range(n):
                             for w in range(width):
-                                r[i, w] = load[i] * signal[step, w] - inertial[i, w] - f[i, w]
+                                r[i, w] = load[i] * signal[step, w] - inertial[i, w] - linear[i, w]
                         done = True
                     solve(factor, r)
                     counts[0] += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from contextlib import contextmanager
@@ -77,7 +78,7 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
         outcome, reason = str(begun["outcome"].item()), f"the model that it starts from: {begun.attrs['reason']}"
     else:
         chosen = method_from_settings(method, settings)
-        skipped = chosen.skip(known.attrs)
+        skipped = chosen.skip({block: json.loads(known.attrs[block]) for block in ("body", "effects")})
         training = Training((trajectory(open_dataset(train, "trajectory")),), (trajectory(open_dataset(test, "trajectory")),), operators(known), seed,
                             device, None if begun is None else rom_from_dataset(begun), monitor)
         if skipped:

@@ -35,6 +35,11 @@ def run(*, structure: str, scene: dict, name: str, provenance: dict) -> None:
         "load": variable("dof", np.zeros(body.size) if term.load is None else term.load, "N", "load per unit of the signal"),
         "probe_dof": variable("probe", np.array(list(body.probes.values())), "1", "free displacement that each probe watches"),
     }
+    if scene["body"]["element"] == "bilinear":
+        # Bilinear elements lock in shear when they bend; the report shows by how much.
+        finer = space.build({**scene["body"], "element": "quadratic", "probes": {}})
+        variables["frequency_quadratic"] = variable("mode", eigenmodes(effects.assemble(finer, scene["effects"]), MODES)[0], "rad s-1",
+                                                    "undamped angular eigenfrequencies of the same mesh with quadratic elements")
     for operator, units in OPERATORS.items():
         matrix = getattr(term, operator)
         if matrix is not None:

@@ -45,6 +45,6 @@ def draw(collection, scores, scene=None) -> Figure:
     axes.set(xlim=(0, end), ylim=(-1.15 * largest, 1.15 * largest))
     axes.set_title(f"{panels.title(method, seed)} in case {name}, forcing {float(scalar(truth, 'forcing')):g}")
     count = f", after {failed_at / period:.3g} periods" if period else ""
-    panels.words(axes, panels.ending(run, "forced run") + count, place="above")
-    axes.legend(loc="lower left")
+    panels.words(axes, panels.ending(run, "forced run") + count, place="corner")
+    axes.legend(loc="upper left")
     return figure

@@ -19,7 +19,7 @@ def phase(collection, scores, scene=None) -> Figure:
         lines = sum(text.get_text().count("\n") + 1 for text in panel.texts)
         ticks = {-2: r"$-2\pi$", -1.5: r"$-3\pi/2$", -1: r"$-\pi$", -0.5: r"$-\pi/2$", 0: "0"}
         panel.set_yticks([part * np.pi for part in ticks], list(ticks.values()))
-        panel.set_ylim(low * (1.05 + 0.055 * lines), 0.25)
+        panel.set_ylim(low * (1.06 + 0.075 * lines), 0.25)
     return figure
 
 

@@ -33,6 +33,7 @@ def words(axes, text: str, *, place: str = "centre") -> None:
     at = {
         "centre": (0.5, 0.5, "center", "center"), "above": (0.98, 0.96, "right", "top"),
         "below": (0.02, 0.04, "left", "bottom"), "left": (0.03, 0.96, "left", "top"),
+        "corner": (0.98, 0.05, "right", "bottom"),
     }[place]
     box = {"facecolor": "white", "edgecolor": "0.7", "linewidth": 0.5, "alpha": 0.9, "boxstyle": "round,pad=0.25"}
     align = {"ha": at[2], "va": at[3], "transform": axes.transAxes}
