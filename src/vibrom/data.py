@@ -47,7 +47,7 @@ def label(dataset: xr.Dataset, kind: str, *, scene: str, method: str, seed: int 
     return dataset.assign_attrs(
         kind=kind, scene=scene, method=method, seed=UNSEEDED if seed is None else int(seed), Conventions=CONVENTIONS,
         title=f"vibrom {kind}: {method} in scene {scene}",
-        **{key: value if isinstance(value, (str, int, float)) else json.dumps(value, sort_keys=True) for key, value in attributes.items()},
+        **{key: value if isinstance(value, (str, int, float)) else json.dumps(value) for key, value in attributes.items()},
     )
 
 

@@ -30,13 +30,13 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
     true = truth["last_displacement"].values
     error = np.linalg.norm(true - displacement, axis=1)
     watched, watched_true = displacement[:, probes[0]], true[:, probes[0]]
-    at = int(np.abs(watched).argmax()) if np.isfinite(watched).all() else 0
+    at = int(watched.argmax()) if np.isfinite(watched).all() else 0
     dims = ("time", "coordinate")
     dataset = xr.Dataset({
         "probe_displacement": variable(("probe", "time"), probe.T, "m", "displacement of the model at the probes"),
         "reduced": variable(dims, whole, "1", "reduced coordinates of the model"),
-        "final_shape": variable("dof", displacement[at], "m", "displacement when the first probe is farthest out in the last period"),
-        "final_shape_true": variable("dof", true[int(np.abs(watched_true).argmax())], "m", "the same of the full-order model"),
+        "final_shape": variable("dof", displacement[at], "m", "displacement when the first probe is highest in the last period"),
+        "final_shape_true": variable("dof", true[int(watched_true.argmax())], "m", "the same of the full-order model"),
         "error": variable("last_time", error, "m", "norm of the displacement error in the last period"),
         "range_ratio": variable((), run.range_ratio[0], "1", "largest reduced coordinate over the largest in the training data"),
         **outcome_variables(run.outcome[0], run.failed_at[0], seconds),

@@ -2,8 +2,8 @@
 
 A seed that failed has no value. For an error it counts as infinitely large: when that makes the median infinite, the
 median is a failure and has no value (NaN), and neither has the maximum as soon as one seed failed. For quantities
-without a worst side (eigenvalues, run times) failed seeds are left out, and the median has no value when as many seeds
-failed as did not.
+without a worst side (eigenvalues, run times, errors with a sign) failed seeds are left out, and the median has no value
+when as many seeds failed as did not.
 """
 
 from collections import Counter

@@ -60,7 +60,7 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
             row |= spread_columns("nmte_percent", scores.spread(scene, method, experiment, "nmte_percent"))
             row |= {"thesis_percent": published, "thesis_outcome": verdict}
             if experiment == "forced":
-                error = scores.spread(scene, method, experiment, "amplitude_error_percent")
+                error = scores.spread(scene, method, experiment, "amplitude_error_percent", worst=False)  # it has a sign
                 row |= spread_columns("amplitude_error_percent", error)
             row |= ending(collection, scores, scene, method, experiment)
             times = [float(scalar(collection.find(scene, method, experiment, seed), "failed_at")) for seed in seeds]

@@ -39,6 +39,7 @@ def portrait(panel, decay) -> None:
     if np.isfinite(true).any():
         panel.set_xlim(*padded(true[0]))
         panel.set_ylim(*padded(true[1]))
+        panel.locator_params(nbins=5)
 
 
 def padded(values: np.ndarray) -> tuple[float, float]:
