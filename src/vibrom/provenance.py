@@ -15,7 +15,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from vibrom.plugs import is_module, is_package, parse, tree
+from vibrom import plugs
+from vibrom.plugs import is_module, is_package, tree
 
 DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
@@ -58,11 +59,21 @@ def module_digest(module: str) -> str:
     return hashlib.sha256(ast.dump(tree(module)).encode()).hexdigest()
 
 
+@cache
+def data_digest(package: str) -> str:
+    """sha256 of what lies below a package beside its code: published numbers, templates, style sheets."""
+    folder = plugs.PACKAGE.joinpath(*package.split(".")[1:])
+    found = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in found)).hexdigest()
+
+
 def digest(*entries: str) -> str:
-    """sha256 over all modules behind `entries`, 16 hex digits."""
+    """sha256 over all modules behind `entries` and the data of their packages, 16 hex digits."""
     whole = hashlib.sha256()
     for module in sorted(modules_behind(*entries)):
         whole.update(f"{module} {module_digest(module)}\n".encode())
+        if is_package(module) and module != "vibrom":
+            whole.update(data_digest(module).encode())
     return whole.hexdigest()[:16]
 
 
