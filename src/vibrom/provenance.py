@@ -16,7 +16,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from vibrom import plugs
-from vibrom.plugs import is_module, is_package, tree
+from vibrom.plugs import is_module, is_package, parse, tree
 
 DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
