@@ -12,6 +12,9 @@ stop() {
 
 packages=$(cat envs/requirements.txt envs/uv.txt | cksum)
 project=$(cksum < pyproject.toml)
+# An environment that was moved, or whose Python went, is made anew.
+packages="$packages $PWD"
+.venv/bin/python -c '' 2> /dev/null || rm -f .venv/made
 made=$(cat .venv/made 2> /dev/null || true)
 [ "$made" != "$packages $project" ] || exit 0
 

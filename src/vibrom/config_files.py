@@ -1,6 +1,7 @@
 """Reading, merging and schema-checking of configuration files; each complaint is one line."""
 
 import difflib
+import math
 import re
 from collections.abc import Callable
 from functools import cache
@@ -116,6 +117,9 @@ def _validator(path: Path):
 
 def schema_errors(content: dict[str, Any], schema: Path, place: Callable[[tuple], tuple[Path, tuple]]) -> None:
     """Raise for the first entry that breaks the schema; `place` says in which file and at which key an entry stands."""
+    for path in _not_finite(content):
+        file, where = place(path)
+        raise SettingsError(file, where, at(content, path), "is no finite number; give one")
     # A misspelt key comes first: it explains the missing one.
     errors = sorted(
         _validator(schema).iter_errors(content), key=lambda error: error.validator != "additionalProperties"
@@ -150,6 +154,14 @@ def schema_errors(content: dict[str, Any], schema: Path, place: Callable[[tuple]
     )
     file, where = place(path)
     raise SettingsError(file, where, value, cure + (f" ({about})" if about else ""))
+
+
+def _not_finite(content: Any, path: tuple = ()) -> list[tuple]:
+    """Where .nan and .inf stand: every comparison of a bound lets them through."""
+    if isinstance(content, float):
+        return [] if math.isfinite(content) else [path]
+    items = content.items() if isinstance(content, dict) else enumerate(content) if isinstance(content, list) else ()
+    return [found for key, item in items for found in _not_finite(item, (*path, key))]
 
 
 def _expectation(validator: str, wanted: Any) -> str:

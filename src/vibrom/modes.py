@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse.linalg import eigsh
 
-from vibrom.term import Term
+from vibrom.term import SceneError, Term
 
 
 def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -11,6 +11,9 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
 
     Shift-invert Lanczos about zero from a fixed start, so that the same scene gives the same bytes.
     """
+    for part, effect in (("mass", "inertia"), ("stiffness", "elasticity")):
+        if getattr(term, part) is None:
+            raise SceneError(f"effects has no {effect}, and without it there are no eigenmodes; list {effect}")
     size = term.mass.shape[0]
     start = np.ones(size) / np.sqrt(size)
     squares, vectors = eigsh(term.stiffness.tocsc(), k=min(count, size - 1), M=term.mass.tocsc(), sigma=0.0, v0=start)

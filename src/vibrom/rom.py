@@ -106,6 +106,12 @@ class Structure:
     modes: np.ndarray
     frequencies: np.ndarray
 
+    def leading(self, count: int) -> np.ndarray:
+        """The first `count` modes (count, n)."""
+        if not 1 <= count <= len(self.modes):
+            raise MethodError(f"modes = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}")
+        return self.modes[:count]
+
 
 class Monitor:
     """What a fit tells while it runs; this one listens to nothing. Steps give one that shows progress and keeps checkpoints."""

@@ -12,6 +12,8 @@ import skfem
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from vibrom.term import SceneError
+
 # name -> element and the polynomial degree that its quadrature integrates (2 x 2, 3 x 3 Gauss points)
 ELEMENTS = {"bilinear": (skfem.ElementQuad1, 3), "quadratic": (skfem.ElementQuad2, 5), "serendipity": (skfem.ElementQuadS2, 5)}
 EDGES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}
@@ -85,5 +87,5 @@ def _probe(space: Space, name: str, where: dict[str, Any]) -> int:
     nearest = int(np.argmin(distance))
     if distance[nearest] > 1e-6:
         at = space.dof_location[nearest].tolist()
-        raise ValueError(f"body.probes.{name}.at = {where['at']} is no free node; the nearest one is at {at}")
+        raise SceneError(f"body.probes.{name}.at = {where['at']} is no free node; the nearest one is at {at}")
     return nearest

@@ -30,6 +30,10 @@ def tangent_kernel(function):
     return njit([TANGENT], cache=True, fastmath=True, error_model="numpy")(function)
 
 
+class SceneError(ValueError):
+    """A body or effects that do not go together; the message names the key, the value and the cure."""
+
+
 @dataclass(frozen=True)
 class Force:
     """A state-dependent force, element by element.
@@ -64,8 +68,8 @@ class Term:
         return Term(both("mass"), both("damping"), both("stiffness"), self.forces + other.forces, both("load"), both("elastic"))
 
     def require(self, part: str, effect: str, brought_by: str):
-        """The part of this name, or a ValueError that says which effect brings it."""
+        """The part of this name, or a SceneError that says which effect brings it."""
         value = getattr(self, part)
         if value is None:
-            raise ValueError(f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first")
+            raise SceneError(f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first")
         return value

@@ -6,6 +6,7 @@ from scenes import CANTILEVER, LINEAR, THESIS, body, quadratic_body
 
 from vibrom import effects, space
 from vibrom.modes import eigenmodes
+from vibrom.term import SceneError
 
 
 def test_mass_weighs_what_the_body_weighs():
@@ -70,5 +71,17 @@ def test_a_scene_without_an_effect_has_no_trace_of_it():
 
 
 def test_probe_off_the_mesh_is_refused():
-    with pytest.raises(ValueError, match=r"body.probes.tip.at = \[0.51, 0.0\] is no free node"):
+    with pytest.raises(SceneError, match=r"body.probes.tip.at = \[0.51, 0.0\] is no free node"):
         space.build(body(probes={"tip": {"at": [0.51, 0.0], "direction": "y"}}))
+
+
+def test_a_mode_that_the_body_has_not_is_refused():
+    made = space.build(body(cells=[2, 1]))
+    with pytest.raises(SceneError, match="effects.modal_load.mode = 500 is no mode of this body; choose 1 to 7"):
+        effects.assemble(made, {**LINEAR, "modal_load": {"mode": 500}})
+
+
+def test_no_modes_without_inertia():
+    made = space.build(body(cells=[2, 1]))
+    with pytest.raises(SceneError, match="effects has no inertia"):
+        eigenmodes(effects.assemble(made, {"elasticity": LINEAR["elasticity"]}), 1)

@@ -94,3 +94,8 @@ def test_least_squares_does_not_care_for_units():
     library, weights = rng.standard_normal((50, 4)), rng.standard_normal((2, 4))
     scale = np.array([1e-12, 1.0, 1e9, 1e3])
     np.testing.assert_allclose(least_squares(library * scale, library @ weights.T) * scale, weights, rtol=1e-9)
+
+
+def test_more_modes_than_there_are_is_refused(training):
+    with pytest.raises(MethodError, match="modes = 2: the structure holds 1 modes"):
+        ModalProjection(modes=2).fit(training)

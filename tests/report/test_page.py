@@ -3,9 +3,11 @@
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from vibrom.report import captions, names
+from vibrom.report import headline as numbers
 from vibrom.steps import figures, headline, report, tables
 
 ROOT = Path(__file__).parents[2]
@@ -93,7 +95,22 @@ def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, capsy
     row = next(line for line in text.splitlines() if line.startswith("SPLIT "))
     assert "3.00 (0.374)" in row and "3.00 (5.22)" in row
     assert "diverged (17.3)" in text and "1000 x" not in row
+    assert "Checks    16 of 16 met" in text and "1 of 3 diverged" in text
     assert str(made / "report.html") in text and "make ui" in text
+
+
+def test_the_headline_marks_failed_seeds_and_leaving_the_range(tmp_path):
+    outcomes = ["left_range 2, diverged 1", "left_range", "ok 2, diverged 1", "ok 2, left_range 1", "ok"]
+    frame = pd.DataFrame({"case": ["small", "large", "folding", "a", "b"], "method": "split", "nmte_percent": 1.56,
+                          "thesis_percent": 70.6, "thesis_outcome": None, "outcome": outcomes})
+    assert list(numbers.errors(frame).iloc[0])[1:] == [
+        "1.56* (70.6) 1 of 3 diverged", "1.56* (70.6)", "1.56 (70.6) 1 of 3 diverged", "1.56 (70.6) 1 of 3*",
+        "1.56 (70.6)"]
+    worst = frame.assign(outcome="left_range 1, training_diverged 1, step_underflow 1")
+    text = numbers.text({"decay": frame, "forced": worst}, {})
+    assert text.count("* outside the range of its training data") == 1
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert "outside" not in numbers.text({"decay": frame.iloc[4:]}, {})
 
 
 def test_every_table_and_figure_has_a_caption_for_both_reports():

@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
-from vibrom.report import names, presentation, tables, thesis
+from vibrom.report import curves, names, presentation, tables, thesis
 from vibrom.steps import tables as step
 
 
@@ -121,13 +122,39 @@ def test_beam_reads_the_scene_and_keeps_probe_and_tip_apart(frames, tree, collec
     assert frequencies(with_quadratic)["omega_1_quadratic_rad_per_s"] == 300.0
 
 
+def test_the_beam_has_no_noise_in_its_last_digits():
+    from vibrom.report.beam import ten_digits
+
+    assert [ten_digits(value) for value in (0.010000000000000007, np.float64(398.0524086482218), "a", 7)] == [
+        0.01, 398.0524086, "a", 7]
+
+
+def test_a_failure_and_leaving_the_training_range_are_two_things():
+    from vibrom.data import outcome_variables
+
+    ends = [("diverged", 0.15), ("left_range", 0.07), ("left_range", 0.09), ("step_underflow", 0.2), ("ok", np.nan)]
+    runs = [xr.Dataset(outcome_variables(*end)) for end in ends]
+    assert tables.first_times([*runs, None]) == {"failed_at_s": 0.15, "left_range_at_s": 0.07}
+    assert all(np.isnan(value) for value in tables.first_times(runs[-1:]).values())
+
+
+def test_points_where_the_full_order_failed_do_not_count_against_a_model():
+    omega, truth, ours = [1.0, 2.0, 3.0], [1.0, np.nan, 2.0], [1.1, 5.0, 2.6]
+    frame = pd.concat([pd.DataFrame({
+        "case": "small", "method": method, "seed": seed, "omega_rad_per_s": omega, "probe_amplitude_m": values,
+        "outcome": "ok"}) for method, seed, values in (("full_order", -1, truth), ("split", 0, ours))])
+    assert curves.summary(frame)["median_amplitude_error_percent"].iloc[1] == pytest.approx(20.0)  # of 10 and 30
+    frame.loc[(frame["method"] == "split") & (frame["omega_rad_per_s"] != 2.0), "probe_amplitude_m"] = np.nan
+    assert np.isnan(curves.summary(frame)["median_amplitude_error_percent"].iloc[1])
+
+
 def test_files_in_all_formats_and_the_same_bytes_twice(tree, tmp_path):
     written = []
     for folder in ("first", "second"):
         paths = [str(tmp_path / folder / f"{name}.{form}") for name in names.TABLES for form in names.TABLE_FORMATS]
         step.run(scores=tree.scores, artefacts=tree.artefacts, tables=paths, provenance={"source_digest": "feed"})
         written.append({path.split("/")[-1]: open(path, "rb").read() for path in paths})
-    assert written[0] == written[1] and len(written[0]) == 21
+    assert written[0] == written[1] and len(written[0]) == 24
     assert b"\\toprule" in written[0]["forced.tex"] and b"diverged" in written[0]["forced.tex"]
     html = written[0]["forced.html"].decode()
     assert "<table" in html and "ok 2, diverged 1" in html and 'class="failed"' in html and "http" not in html

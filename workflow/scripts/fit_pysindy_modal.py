@@ -82,18 +82,38 @@ def dataset(arrays, **attributes):
 def save(data, path):
     """All of the file or nothing."""
     partial = Path(path).with_suffix(".partial")
-    data.to_netcdf(
-        partial,
-        engine="netcdf4",
-        encoding={name: {"_FillValue": None} for name in data.variables if data[name].dtype.kind in "iu"},
-    )
-    partial.replace(path)
+    try:
+        data.to_netcdf(
+            partial,
+            engine="netcdf4",
+            encoding={name: {"_FillValue": None} for name in data.variables if data[name].dtype.kind in "iu"},
+        )
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read(path, kind):
+    """The artefact of this kind; a torn or foreign file is one line."""
+    try:
+        data = xr.load_dataset(path)
+    except (OSError, ValueError) as error:
+        complain(f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again")
+    if data.attrs.get("kind") != kind:
+        complain(f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a file made by the matching rule")
+    return data
+
+
+def complain(line):
+    for stream in (sys.__stderr__, sys.stderr):
+        print(f"vibrom: {line}", file=stream)
+    sys.exit(1)
 
 
 def main(job):
     sys.stderr = open(job.log[0], "w")
     settings, scene = dict(job.params.settings), job.params.scene_name
-    structure, train = xr.load_dataset(job.input.structure), xr.load_dataset(job.input.train)
+    structure, train = read(job.input.structure, "structure"), read(job.input.train, "trajectory")
     arrays, mapping, dynamics = fit(structure, train, **settings)
     arrays |= {
         "outcome": ((), "ok", "how the fit ended", "1"),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from vibrom.modes import eigenmodes
 from vibrom.space import Space
-from vibrom.term import Term
+from vibrom.term import SceneError, Term
 
 
 @dataclass(frozen=True)
@@ -14,4 +14,6 @@ class ModalLoad:
     def assemble(self, space: Space, base: Term) -> Term:
         mass = base.require("mass", "modal_load", "inertia")
         base.require("stiffness", "modal_load", "elasticity")
+        if not 1 <= self.mode < space.size:
+            raise SceneError(f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to {space.size - 1}")
         return Term(load=mass @ eigenmodes(base, self.mode)[1][self.mode - 1])

@@ -39,11 +39,13 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
         "outcome": variable("angular_frequency", np.array(run.outcome, dtype=object), "1", "how the run ended"),
         "failed_at": variable("angular_frequency", run.failed_at, "s", "simulated time of the failure, or of leaving the training range"),
     }, coords={"angular_frequency": truth["angular_frequency"].variable, "probe": structure["probe"].variable})
+    # Models fail at the peak first: a curve with gaps has no peak to tell. Where the full order failed there is nothing to compare with.
     reference = truth["amplitude"].values[0]
-    relative = 100 * np.abs(amplitude[0] / reference - 1)
-    peak = 100 * (amplitude[0, end].max() / np.nanmax(reference) - 1) if end.any() else np.nan
+    known = np.isfinite(reference)
+    relative = 100 * np.abs(amplitude[0, known] / reference[known] - 1)
+    peak = 100 * (amplitude[0].max() / reference.max() - 1) if end.all() and known.all() else np.nan
     return scored(dataset, {
         "completed": (float(end.sum()), "1"),
-        "amplitude_error_median_percent": (float(np.median(relative)) if end.all() else float("nan"), "percent"),
+        "amplitude_error_median_percent": (float(np.median(relative)) if end.all() and known.any() else float("nan"), "percent"),
         "peak_error_percent": (float(peak), "percent"),
     })

@@ -56,6 +56,8 @@ class AutoencoderMethod(Method):
         for name in ("latent", "order", "every", "epochs"):
             if getattr(self, name) < 1:
                 raise MethodError(f"{name} is {getattr(self, name)}; give 1 or more")
+        if not self.learning_rate > 0:
+            raise MethodError(f"learning_rate is {self.learning_rate}; give a positive number")
         if not all(isinstance(size, int) and size > 0 for size in self.hidden):
             raise MethodError(f"hidden is {list(self.hidden)}; give the number of units of each layer, such as [64, 32]")
 

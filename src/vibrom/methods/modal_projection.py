@@ -22,7 +22,7 @@ class ModalProjection(Method):
     def fit(self, training: Training) -> PolynomialRom:
         structure, monitor = training.require_structure("modal_projection"), training.monitor
         with monitor.phase("mapping"):
-            phi = structure.modes[: self.modes]
+            phi = structure.leading(self.modes)
             encoder = (structure.mass @ phi.T).T
             n, d = phi.shape[1], self.modes
             z = np.concatenate([training.joined("displacement") @ encoder.T, training.joined("velocity") @ encoder.T], axis=1)

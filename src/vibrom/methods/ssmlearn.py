@@ -23,7 +23,7 @@ class SsmLearn(Method):
 
     def fit(self, training: Training) -> PolynomialRom:
         structure, monitor = training.require_structure("ssmlearn"), training.monitor
-        phi = structure.modes[: self.modes]
+        phi = structure.leading(self.modes)
         encoder, (d, n) = (structure.mass @ phi.T).T, phi.shape
         x = training.joined("state")
         z = np.concatenate([x[:, :n] @ encoder.T, x[:, n:] @ encoder.T], axis=1)

@@ -25,8 +25,13 @@ def table(collection: Collection) -> pd.DataFrame:
             row |= properties(structure) | frequencies(structure)
             row |= releases(scene, structure, collection.find(scene, FULL_ORDER, "release"))
         rows.append(row | {"outcome": "ok" if structure is not None else "not run"})
-    frame = pd.DataFrame(rows)
+    frame = pd.DataFrame([{name: ten_digits(value) for name, value in row.items()} for row in rows])
     return frame[[name for name in frame.columns if name in ("case", "method", "outcome") or frame[name].notna().any()]]
+
+
+def ten_digits(value):
+    """A float without the noise of its last digits."""
+    return float(f"{value:.10g}") if isinstance(value, float) else value
 
 
 def properties(structure: xr.Dataset) -> dict:

@@ -10,6 +10,7 @@ from vibrom.report import thesis
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.presentation import GONE, number
 
+FOOTNOTE = "* outside the range of its training data"
 OFFLINE = ["generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s"]
 
 
@@ -20,10 +21,32 @@ def errors(table: pd.DataFrame) -> pd.DataFrame:
     for _, row in ours.iterrows():
         printed = row["thesis_outcome"]
         verdict = printed if isinstance(printed, str) and printed else number(row["thesis_percent"], 3)
-        ended = str(row["outcome"]).replace("_", " ")
-        value = number(row["nmte_percent"], 3) if pd.notna(row["nmte_percent"]) else ended
-        cells[(row["method"], row["case"])] = value if verdict == GONE else f"{value} ({verdict})"
+        value, star, mark = str(row["outcome"]).replace("_", " "), "", ""
+        if pd.notna(row["nmte_percent"]):
+            value, (star, mark) = number(row["nmte_percent"], 3), ending(str(row["outcome"]))
+        printed = "" if verdict == GONE else f" ({verdict})"
+        cells[(row["method"], row["case"])] = f"{value}{star}{printed}{mark}"
     return grid(ours, cells)
+
+
+def ending(tally: str) -> tuple[str, str]:
+    """A star where every seed with a value left its training range, and how many seeds ended otherwise than `ok`."""
+    counts = {}
+    for part in tally.split(", "):
+        word, _, count = part.rpartition(" ")
+        counts[word if count.isdigit() else part] = int(count) if count.isdigit() else 1
+    total, left, well = sum(counts.values()), counts.pop("left_range", 0), counts.pop("ok", 0)
+    marks = [f"{count} of {total} {word.replace('_', ' ')}" for word, count in counts.items()]
+    marks += [f"{left} of {total}*"] if left and well else []
+    return "*" if left and not well else "", f" {', '.join(marks)}" if marks else ""
+
+
+def checks(table: pd.DataFrame) -> list[str]:
+    """How many promises are kept, and the names of the others."""
+    unmet = table[table["met"] != "yes"]
+    named = [f"{row.case}, {thesis.label(row.method)}: {row.quantity} {number(row.value, 6)} (bound {row.bound})"
+             for row in unmet.itertuples()]
+    return [f"{'Checks':<10}{len(table) - len(unmet)} of {len(table)} met", *(f"{'not met':<10}{name}" for name in named)]
 
 
 def costs(table: pd.DataFrame) -> pd.DataFrame:
@@ -67,6 +90,10 @@ def show(tables: dict[str, pd.DataFrame], places: dict[str, str], console: Conso
             table.add_row(*row)
         console.print(table)
         console.print()
+    if any("*" in str(cell) for frame in sections(tables).values() for cell in frame.to_numpy().ravel()):
+        console.print(FOOTNOTE, "\n", sep="", highlight=False)
+    for line in checks(tables["checks"]) if "checks" in tables else []:
+        console.print(line, highlight=False, markup=False)
     for what, where in places.items():
         console.print(f"{what:<10}{where}", highlight=False, soft_wrap=True)
 

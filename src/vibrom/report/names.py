@@ -1,6 +1,6 @@
 """The names of all tables and figures in reading order: the one list behind the workflow, the steps and the page."""
 
-TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc")
+TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "checks")
 TABLE_FORMATS = ("csv", "tex", "html")
 FIGURE_FORMATS = ("svg", "pdf", "png")
 

@@ -13,6 +13,8 @@ from vibrom.report.collection import FULL_ORDER
 GONE = "–"
 WORDS = {
     "case": "Case", "method": "Model", "outcome": "Outcome", "seeds": "Seeds", "failed_at_s": "First failure [s]",
+    "left_range_at_s": "Left range [s]",
+    "quantity": "Quantity", "value": "Ours", "unit": "Unit", "bound": "Bound", "met": "Met", "source": "Source",
     "nmte_percent": "NMTE [%]", "amplitude_error_percent": "Amplitude error [%]", "thesis_percent": "Thesis NMTE [%]",
     "real_per_s": "Real part [1/s]", "imaginary_rad_per_s": "Imaginary part [rad/s]",
     "thesis_real_per_s": "Thesis real [1/s]", "thesis_imaginary_rad_per_s": "Thesis imaginary [rad/s]",
@@ -79,8 +81,8 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
         if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES:
             continue  # printed in the cell of our own time
         several = f"{column}_min" in frame.columns
-        digits = 6 if name == "eigenvalues" else 4  # models differ from one another in the fourth
-        values = folded(frame, column, digits) if several else [number(value) for value in frame[column]]
+        digits = 6 if name in ("eigenvalues", "checks") else 4  # they differ from one another in the fourth
+        values = folded(frame, column, digits) if several else [number(value, digits) for value in frame[column]]
         if column == "method":
             values = [thesis.label(value) for value in frame[column]]
         if column == "nmte_percent":
@@ -106,9 +108,11 @@ def on_its_side(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def marks(name: str, frame: pd.DataFrame) -> list[str]:
-    """One CSS class a printed row: `failed` where a seed has no value, `reference` for the full order, or none."""
+    """One CSS class a printed row: `failed` where a seed has no value or a check is not met, `reference` for the full order, or none."""
     if name == "beam":
         return [""] * len(on_its_side(frame))
+    if name == "checks":
+        return ["failed" if met == "no" else "" for met in frame["met"]]
     rows = curves.summary(frame) if name == "frc" else frame
     classes = ["reference" if method == FULL_ORDER else "" for method in rows["method"]]
     return ["failed" if failed(str(outcome)) else other for outcome, other in zip(rows["outcome"], classes)]

@@ -6,8 +6,9 @@ many seeds ended how.
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from vibrom.report import beam, curves, thesis
+from vibrom.report import beam, checks, curves, thesis
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
@@ -22,6 +23,7 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
         "forced": lambda: errors("forced", "forced", collection, scores),
         "run_times": lambda: run_times(collection, scores),
         "frc": lambda: curves.table(collection),
+        "checks": lambda: checks.table(collection, scores),
     }
     if name not in builders:
         raise ValueError(f"table {name!r}: unknown; choose from {', '.join(builders)}")
@@ -52,7 +54,7 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
         row = {"case": scene, "method": FULL_ORDER, **spread_columns("nmte_percent", zero)}
         row |= {"thesis_percent": np.nan, "thesis_outcome": ""}
         row |= spread_columns("amplitude_error_percent", zero) if experiment == "forced" else {}
-        rows.append(row | {"seeds": 1, "outcome": ended, "failed_at_s": float(scalar(run, "failed_at"))})
+        rows.append(row | {"seeds": 1, "outcome": ended} | first_times([run]))
         for method in collection.methods:
             seeds = collection.seeds(scene, method)
             published, verdict = thesis.percent(experiment, scene, method)
@@ -63,11 +65,19 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
                 error = scores.spread(scene, method, experiment, "amplitude_error_percent", worst=False)  # it has a sign
                 row |= spread_columns("amplitude_error_percent", error)
             row |= ending(collection, scores, scene, method, experiment)
-            times = [float(scalar(collection.find(scene, method, experiment, seed), "failed_at")) for seed in seeds]
-            row["failed_at_s"] = min((time for time in times if np.isfinite(time)), default=np.nan)
-            rows.append(row)
+            rows.append(row | first_times([collection.find(scene, method, experiment, seed) for seed in seeds]))
     frame = pd.DataFrame(rows)
-    return frame.drop(columns="failed_at_s") if experiment == "reconstruction" else frame
+    return frame.drop(columns=["failed_at_s", "left_range_at_s"]) if experiment == "reconstruction" else frame
+
+
+def first_times(runs: list[xr.Dataset | None]) -> dict[str, float]:
+    """Earliest time [s] at which a seed failed, and at which one that did not fail left its training range."""
+    times: dict[str, list[float]] = {"failed_at_s": [], "left_range_at_s": []}
+    for run in runs:
+        ended, when = str(scalar(run, "outcome", "ok")), float(scalar(run, "failed_at"))
+        if ended != "ok" and np.isfinite(when):
+            times["left_range_at_s" if ended == "left_range" else "failed_at_s"].append(when)
+    return {name: min(found, default=np.nan) for name, found in times.items()}
 
 
 def eigenvalues(collection: Collection, scores: Scores) -> pd.DataFrame:

@@ -25,6 +25,10 @@ LABELS = {
     "split": "SPLIT",
     "split_plus": "SPLIT+",
 }
+STATES = {
+    ("small", "test"): 1, ("small", "train"): 2, ("large", "test"): 2, ("large", "train"): 3, ("folding", "test"): 4,
+    ("folding", "train"): 5,
+}
 RUN_TIMES = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s", "decay_s", "forced_s", "frc_s")
 
 
@@ -72,3 +76,8 @@ def release(case: str, role: str) -> float:
     frame = table("releases")
     row = frame[(frame["case"] == case) & (frame["role"] == role)]
     return float(row["probe_m"].iloc[0]) if len(row) else np.nan
+
+
+def state(case: str, role: str) -> pd.Series:
+    """The release state of a case in a reference reproduction: probe, tip, tip_x [m], and the forced run behind it."""
+    return table("states").set_index("state").loc[STATES[case, role]]

@@ -4,8 +4,8 @@
     gamma = 1/2 + alpha,  beta = (1 + alpha)^2 / 4
 
 Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step
-solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u|), keeping the factor of the tangent as long
-as the residual falls fast. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
+solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u|), the right side taken at the
+step's first guess, and keeps the factor of the tangent as long as the residual falls fast. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
 forces the operator is factorised once and each step is one solve.
 """
 

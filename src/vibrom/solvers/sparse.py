@@ -83,7 +83,9 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
             body, spring = inertial(a, v), internal(q, v)
             r = external - body - spring
             norm = np.linalg.norm(r)
-            converged = norm <= settings.tolerance * (np.linalg.norm(body) + np.linalg.norm(spring) + np.linalg.norm(external))
+            if iteration == 0:
+                scale = np.linalg.norm(body) + np.linalg.norm(spring) + np.linalg.norm(external)
+            converged = norm <= settings.tolerance * scale
             if (converged and iteration > 0) or iteration == settings.max_iterations or not np.isfinite(norm):
                 break
             if factor is None or (iteration > 0 and norm > settings.refresh * previous and term.forces):

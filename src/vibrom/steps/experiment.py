@@ -11,21 +11,34 @@ from vibrom.rollout import Integrator
 from vibrom.rom import rom_from_dataset
 
 KINDS = {"train": "trajectory", "test": "trajectory"}
+REFERENCE_FAILED = "reference_failed"  # the full-order run to compare with stopped before its end
+CALLS, ENOUGH = 3, 2.0  # a computation is timed up to three times, or until it took two seconds
 
 
 def run(*, output: str, experiment: str, scene_name: str, method: str, seed: int | None, integrator: dict, provenance: dict, **artefacts: str) -> None:
     module, settings = experiments.load(experiment), Integrator(**integrator)
     loaded = {name: open_dataset(path, KINDS.get(name, name)) for name, path in artefacts.items()}
     unfit = str(loaded["rom"]["outcome"].item()) if "rom" in loaded else "ok"
+    if any(str(loaded[name]["outcome"].item()) == "no_convergence" for name in ("test", "forced") if name in loaded):
+        unfit = REFERENCE_FAILED
     if unfit != "ok":
         prediction = nothing(experiment, unfit)
     else:
         if "rom" in loaded and experiment != "run_times":
             loaded["rom"] = rom_from_dataset(loaded["rom"])
             module.predict({**loaded, **_shortened(loaded)}, settings)  # warms caches up; what is timed is the second call
-        prediction = module.predict(loaded, settings)
+        prediction = quickest(module, loaded, settings)
     save_dataset(label(prediction, experiment, scene=scene_name, method=method, seed=seed, settings=json.dumps(integrator, sort_keys=True)),
                  output, provenance)
+
+
+def quickest(module, artefacts: dict, settings: Integrator) -> xr.Dataset:
+    """The prediction with the least wall time of a few calls: other jobs may run on the other cores."""
+    best = module.predict(artefacts, settings)
+    seconds = [float(best["seconds"])]
+    while np.isfinite(seconds[0]) and len(seconds) < CALLS and sum(seconds) < ENOUGH:
+        seconds.append(float(module.predict(artefacts, settings)["seconds"]))
+    return best.assign(seconds=best["seconds"].copy(data=min(seconds)))
 
 
 def _shortened(loaded: dict) -> dict:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from vibrom.data import label, open_dataset, save_dataset, variable
 from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
 from vibrom.progress import bar
-from vibrom.rom import Monitor, TrainingDiverged, Training, method_from_settings, rom_from_dataset
+from vibrom.rom import MethodError, Monitor, TrainingDiverged, Training, method_from_settings, rom_from_dataset
 
 
 class FileMonitor(Monitor):
@@ -60,8 +61,13 @@ class FileMonitor(Monitor):
         self.path.parent.mkdir(parents=True, exist_ok=True)
         partial = self.path.with_name(f".{self.path.stem}.partial.npz")
         spent = self.seconds["mapping"] + time.perf_counter() - self._began
-        np.savez(partial, **state, spent_seconds=spent)
-        os.replace(partial, self.path)
+        try:
+            np.savez(partial, **state, spent_seconds=spent)
+            os.replace(partial, self.path)
+        except OSError as error:
+            print(f"{self.title}: no checkpoint ({error}); the training goes on", file=sys.stderr)
+        finally:
+            partial.unlink(missing_ok=True)
 
     def close(self) -> None:
         if self._bar is not None:
@@ -74,13 +80,19 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
     monitor = FileMonitor(checkpoint, f"{scene_name}: {method}" + ("" if seed is None else f", seed {seed}"))
     begun = open_dataset(start, "rom") if start else None
     outcome, reason, fitted = "ok", "", xr.Dataset()
-    if begun is not None and str(begun["outcome"].item()) != "ok":
+    motions = {role: open_dataset(path, "trajectory") for role, path in (("train", train), ("test", test))}
+    failed = float(motions["train"]["failed_at"])
+    if str(motions["train"]["outcome"].item()) != "ok":
+        outcome, reason = "reference_failed", f"the full-order training run stopped at {failed:.4g} s without convergence; raise time.steps_per_period"
+    elif begun is not None and str(begun["outcome"].item()) != "ok":
         outcome, reason = str(begun["outcome"].item()), f"the model that it starts from: {begun.attrs['reason']}"
     else:
-        chosen = method_from_settings(method, settings)
+        try:
+            chosen = method_from_settings(method, settings)
+        except MethodError as error:
+            raise MethodError(f"config/methods/{method}.yaml: settings: {error}") from error
         skipped = chosen.skip({block: json.loads(known.attrs[block]) for block in ("body", "effects")})
-        training = Training((trajectory(open_dataset(train, "trajectory")),), (trajectory(open_dataset(test, "trajectory")),), operators(known), seed,
-                            device, None if begun is None else rom_from_dataset(begun), monitor)
+        training = Training((trajectory(motions["train"]),), (trajectory(motions["test"]),), operators(known), seed, device, None if begun is None else rom_from_dataset(begun), monitor)
         if skipped:
             outcome, reason = "skipped", skipped
         else:

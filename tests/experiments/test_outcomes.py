@@ -1,0 +1,84 @@
+"""What cannot be compared says so: a full-order run that stopped, a model that was never fitted, a curve with gaps."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from oscillators import OMEGA, linear_rom
+
+from vibrom.data import label, open_dataset, outcome_variables, save_dataset, variable
+from vibrom.experiments import frc
+from vibrom.rollout import Integrator
+from vibrom.steps import experiment, fit
+
+SETTINGS = {"rtol": 1e-8, "atol": 1e-10}
+
+
+def structure():
+    known = xr.Dataset({
+        "node": variable(("vertex", "axis"), np.zeros((1, 2)), "m", "vertices"), "element_node": variable(("element", "corner"), np.zeros((1, 4)), "1", "corners"),
+        "dof_node": variable("dof", [0], "1", "vertex"), "dof_axis": variable("dof", [1], "1", "direction"),
+        "mode_shape": variable(("mode", "dof"), np.ones((1, 1)), "kg-0.5", "modes"), "frequency": variable("mode", [OMEGA], "rad s-1", "frequencies"),
+        "load": variable("dof", [1.0], "N", "load"), "probe_dof": variable("probe", [0], "1", "probe"),
+    }, coords={"probe": variable("probe", np.array(["probe"], dtype=object), "1", "name")})
+    return label(known, "structure", scene="s", method="full_order", body={}, effects={})
+
+
+def motion(outcome, failed_at=np.nan):
+    time = np.linspace(0, 0.1, 60)
+    q = 0.1 * np.cos(OMEGA * time)[:, None]
+    fields = {name: variable(("time", "dof"), q, units, name) for name, units in (("displacement", "m"), ("velocity", "m s-1"), ("acceleration", "m s-2"))}
+    dataset = xr.Dataset({**fields, "probe_displacement": variable(("probe", "time"), q.T, "m", "probe"), **outcome_variables(outcome, failed_at)},
+                         coords={"time": variable("time", time, "s", "time"), "probe": variable("probe", np.array(["probe"], dtype=object), "1", "name")})
+    return label(dataset, "trajectory", scene="s", method="full_order")
+
+
+def curve(reference):
+    dataset = xr.Dataset({
+        "amplitude": variable(("probe", "angular_frequency"), reference[None], "m", "amplitude"), "phase": variable(("probe", "angular_frequency"), reference[None], "rad", "phase"),
+        "forcing": variable((), 1.0, "1", "forcing"), **outcome_variables("ok"),
+    }, coords={"angular_frequency": variable("angular_frequency", OMEGA * np.array([0.9, 1.0, 1.1]), "rad s-1", "frequency")})
+    return label(dataset, "frc", scene="s", method="full_order", periods=5)
+
+
+def saved(dataset, path):
+    save_dataset(dataset, path)
+    return str(path)
+
+
+def test_a_reference_that_stopped_is_no_verdict_on_the_model(tmp_path):
+    fitted = label(linear_rom().to_dataset().assign(outcome=variable((), "ok", "1", "fit")), "rom", scene="s", method="m")
+    paths = {"structure": saved(structure(), tmp_path / "structure.nc"), "rom": saved(fitted, tmp_path / "rom.nc"),
+             "test": saved(motion("no_convergence", 0.05), tmp_path / "test.nc")}
+    experiment.run(output=str(tmp_path / "decay.nc"), experiment="decay", scene_name="s", method="m", seed=None, integrator=SETTINGS, provenance={}, **paths)
+    answer = open_dataset(tmp_path / "decay.nc", "decay")
+    assert answer["outcome"].item() == "reference_failed" and np.isnan(answer["score_value"]).all()
+
+
+def test_a_model_is_not_fitted_to_a_motion_that_stopped(tmp_path):
+    paths = {"structure": saved(structure(), tmp_path / "structure.nc"), "train": saved(motion("no_convergence", 0.05), tmp_path / "train.nc"),
+             "test": saved(motion("ok"), tmp_path / "test.nc")}
+    fit.run(rom=str(tmp_path / "rom.nc"), losses=str(tmp_path / "losses.nc"), scene_name="s", method="ssmlearn", settings={}, seed=None, device="cpu", provenance={}, **paths)
+    rom = open_dataset(tmp_path / "rom.nc", "rom")
+    assert rom["outcome"].item() == "reference_failed" and "stopped at 0.05 s" in rom.attrs["reason"]
+
+
+@pytest.mark.parametrize("missing", [None, 1])
+def test_points_without_a_reference_are_left_out(missing):
+    whole = frc.predict({"rom": linear_rom(), "structure": structure(), "frc": curve(np.ones(3))}, Integrator())
+    reference = whole["amplitude"].values[0] * 1.02
+    if missing is not None:
+        reference[missing] = np.nan
+    score = frc.predict({"rom": linear_rom(), "structure": structure(), "frc": curve(reference)}, Integrator())["score_value"]
+    assert float(score.sel(score="amplitude_error_median_percent")) == pytest.approx(100 * (1 - 1 / 1.02), rel=1e-6)
+    assert np.isnan(score.sel(score="peak_error_percent")) == (missing is not None)
+
+
+def test_times_are_the_least_of_a_few_calls():
+    class Module:
+        times = iter([0.3, 0.1, 0.2])
+
+        @staticmethod
+        def predict(artefacts, settings):
+            return xr.Dataset(outcome_variables("ok", seconds=next(Module.times)))
+
+    assert float(experiment.quickest(Module, {}, None)["seconds"]) == 0.1
