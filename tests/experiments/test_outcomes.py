@@ -73,6 +73,16 @@ def test_points_without_a_reference_are_left_out(missing):
     assert np.isnan(score.sel(score="peak_error_percent")) == (missing is not None)
 
 
+def test_a_curve_that_lost_its_peak_has_no_error_to_tell():
+    """Ten times the reach ends a run: here at resonance alone."""
+    whole = frc.predict({"rom": linear_rom(), "structure": structure(), "frc": curve(np.ones(3))}, Integrator())["amplitude"].values[0]
+    # After five periods from rest the beats beside resonance reach two thirds of the resonance.
+    reach = 0.085 * whole[1] * np.array([1.0, OMEGA])
+    answer = frc.predict({"rom": linear_rom(reach=reach), "structure": structure(), "frc": curve(whole)}, Integrator())
+    assert answer["outcome"].values.tolist()[1] == "diverged" and float(answer["score_value"].sel(score="completed")) == 2
+    assert np.isnan(answer["score_value"].sel(score=["amplitude_error_median_percent", "peak_error_percent"])).all()
+
+
 def test_times_are_the_least_of_a_few_calls():
     class Module:
         times = iter([0.3, 0.1, 0.2])

@@ -11,7 +11,7 @@ import pytest
 import torch
 import yaml
 from scipy.integrate import solve_ivp
-from scipy.sparse import csr_matrix, diags, identity
+from scipy.sparse import csr_matrix, diags
 
 from vibrom.methods.decoupled_autoencoder import DecoupledAutoencoder
 from vibrom.methods.sindy_autoencoder import SindyAutoencoder
