@@ -1,11 +1,12 @@
 # make         the main job: environment, then every table and figure
 # make test    environment, then all tests
+# make bench   environment, then every speed comparison
 PYTHON ?= python3
 CORES ?= 2
 PORT ?= 5000
 BIN := .venv/bin
 
-.PHONY: run env environment test ui report lock
+.PHONY: run env environment test ui report lock bench
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -39,3 +40,7 @@ lock: environment
 	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade - -o envs/uv.txt
 	@echo "Next: 'make test' makes the environment anew and tries it."
+
+# How fast, against what: every comparison, results/benchmarks.csv and results/benchmarks.html.
+bench: environment
+	$(BIN)/python -m benchmarks

@@ -9,8 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from scipy.sparse import csr_matrix
+
+from vibrom.lanes import kernel
 
 # f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv for the elements' lower triangles.
 _states = types.float64[:, ::1]
@@ -20,14 +22,8 @@ FORCE = types.void(_states, _states, _index, _states, _states)
 TANGENT = types.void(_states, _states, _index, _states, _index, _scale, _scale, _states)
 
 
-def force_kernel(function):
-    """Compiles `function(q, v, dofs, table, f)`; kept on disk, so that a second process does not compile again."""
-    return njit([FORCE], cache=True, fastmath=True, error_model="numpy")(function)
-
-
-def tangent_kernel(function):
-    """Compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`."""
-    return njit([TANGENT], cache=True, fastmath=True, error_model="numpy")(function)
+force_kernel = kernel(FORCE)  # compiles `function(q, v, dofs, table, f)`
+tangent_kernel = kernel(TANGENT)  # compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`
 
 
 class SceneError(ValueError):

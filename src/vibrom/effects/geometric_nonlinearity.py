@@ -13,6 +13,7 @@ from functools import cache, partial
 
 import numpy as np
 
+from vibrom.lanes import WIDTH, entry, fill, load, store
 from vibrom.space import Space
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
@@ -27,8 +28,11 @@ class GeometricNonlinearity:
         geometry = np.concatenate([weights[..., None], gradients.transpose(2, 3, 0, 1).reshape(elements, points, 2 * shapes)], axis=-1)
         moduli = np.tile([elastic[0, 0], elastic[0, 1], elastic[2, 2]], (elements, 1))
         linear = _linear_stiffness(elastic, weights, gradients)
-        table = np.ascontiguousarray(np.concatenate([moduli, geometry.reshape(elements, -1), linear], axis=1))
-        return Term(forces=(Force(partial(_kernels, shapes, points), space.element_dofs, table),))
+        table = np.concatenate([moduli, geometry.reshape(elements, -1), linear], axis=1)
+        # Elements that are not there fill the last lanes: clamped and without weight.
+        missing = -elements % WIDTH
+        dofs = np.pad(space.element_dofs, ((0, missing), (0, 0)), constant_values=-1)
+        return Term(forces=(Force(partial(_kernels, shapes, points), dofs, np.ascontiguousarray(np.pad(table, ((0, missing), (0, 0))).T)),))
 
 
 def _linear_stiffness(elastic: np.ndarray, weights: np.ndarray, gradients: np.ndarray) -> np.ndarray:
@@ -42,135 +46,130 @@ def _linear_stiffness(elastic: np.ndarray, weights: np.ndarray, gradients: np.nd
 
 
 @cache
-def _kernels(shapes: int, points: int, width: int):
-    return _force(shapes, points, width), _tangent(shapes, points, width)
+def _kernels(shapes: int, points: int, states: int):
+    return _force(shapes, points, states), _tangent(shapes, points, states)
 
 
-def _force(shapes: int, points: int, width: int):
-    stride = 1 + 2 * shapes
+def _force(shapes: int, points: int, states: int):
+    """Lanes are states; for one state they are elements, and reading and adding go one by one."""
+    stride, width, together = 1 + 2 * shapes, (WIDTH if states == 1 else states), (WIDTH if states == 1 else 1)
 
     @force_kernel
     def force(q, v, dofs, table, f):
         u, g = np.empty((2 * shapes, width)), np.empty((2 * shapes, width))
-        h, p = np.empty((4, width)), np.empty((4, width))
-        for e in range(dofs.shape[0]):
-            d11, d12, d33 = table[e, 0], table[e, 1], table[e, 2]
+        for e in range(0, dofs.shape[0], together):
+            d11, d12, d33 = entry(table, 0, e, states), entry(table, 1, e, states), entry(table, 2, e, states)
             for a in range(2 * shapes):
-                dof = dofs[e, a]
-                for w in range(width):
-                    u[a, w] = q[dof, w] if dof >= 0 else 0.0
-                    g[a, w] = 0.0
+                if states == 1:
+                    for lane in range(width):
+                        dof = dofs[e + lane, a]
+                        u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
+                else:
+                    dof = dofs[e, a]
+                    store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
+                store(g, a, fill(0.0, width))
             for k in range(points):
                 at = 3 + k * stride
-                weight = table[e, at]
-                for w in range(width):
-                    h[0, w] = h[1, w] = h[2, w] = h[3, w] = 0.0
+                weight = entry(table, at, e, states)
+                h0 = h1 = h2 = h3 = fill(0.0, width)
                 for a in range(shapes):
-                    n0, n1 = table[e, at + 1 + 2 * a], table[e, at + 2 + 2 * a]
-                    for w in range(width):
-                        h[0, w] += u[2 * a, w] * n0
-                        h[1, w] += u[2 * a, w] * n1
-                        h[2, w] += u[2 * a + 1, w] * n0
-                        h[3, w] += u[2 * a + 1, w] * n1
-                for w in range(width):
-                    h0, h1, h2, h3 = h[0, w], h[1, w], h[2, w], h[3, w]
-                    e11, e22, e12 = 0.5 * (h0 * h0 + h2 * h2), 0.5 * (h1 * h1 + h3 * h3), h0 * h1 + h2 * h3
-                    r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
-                    s11, s22, s12 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3, r12 + d33 * (h1 + h2)
-                    p[0, w] = weight * (h0 * s11 + h1 * s12 + r11)
-                    p[1, w] = weight * (h0 * s12 + h1 * s22 + r12)
-                    p[2, w] = weight * (h2 * s11 + h3 * s12 + r12)
-                    p[3, w] = weight * (h2 * s12 + h3 * s22 + r22)
+                    n0, n1 = entry(table, at + 1 + 2 * a, e, states), entry(table, at + 2 + 2 * a, e, states)
+                    ux, uy = load(u, 2 * a, width), load(u, 2 * a + 1, width)
+                    h0 += n0 * ux
+                    h1 += n1 * ux
+                    h2 += n0 * uy
+                    h3 += n1 * uy
+                e11, e22, e12 = 0.5 * (h0 * h0 + h2 * h2), 0.5 * (h1 * h1 + h3 * h3), h0 * h1 + h2 * h3
+                r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
+                s11, s22, s12 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3, r12 + d33 * (h1 + h2)
+                p0, p1 = weight * (h0 * s11 + h1 * s12 + r11), weight * (h0 * s12 + h1 * s22 + r12)
+                p2, p3 = weight * (h2 * s11 + h3 * s12 + r12), weight * (h2 * s12 + h3 * s22 + r22)
                 for a in range(shapes):
-                    n0, n1 = table[e, at + 1 + 2 * a], table[e, at + 2 + 2 * a]
-                    for w in range(width):
-                        g[2 * a, w] += p[0, w] * n0 + p[1, w] * n1
-                        g[2 * a + 1, w] += p[2, w] * n0 + p[3, w] * n1
+                    n0, n1 = entry(table, at + 1 + 2 * a, e, states), entry(table, at + 2 + 2 * a, e, states)
+                    store(g, 2 * a, load(g, 2 * a, width) + n0 * p0 + n1 * p1)
+                    store(g, 2 * a + 1, load(g, 2 * a + 1, width) + n0 * p2 + n1 * p3)
             for a in range(2 * shapes):
-                dof = dofs[e, a]
-                if dof >= 0:
-                    for w in range(width):
-                        f[dof, w] += g[a, w]
+                if states == 1:
+                    for lane in range(width):
+                        dof = dofs[e + lane, a]
+                        if dof >= 0:
+                            f[dof, 0] += g[a, lane]
+                else:
+                    dof = dofs[e, a]
+                    if dof >= 0:
+                        store(f, dof, load(f, dof, width) + load(g, a, width))
 
     return force
 
 
-def _tangent(shapes: int, points: int, width: int):
-    stride = 1 + 2 * shapes
+def _tangent(shapes: int, points: int, states: int):
+    stride, width, together = 1 + 2 * shapes, (WIDTH if states == 1 else states), (WIDTH if states == 1 else 1)
     entries = shapes * (2 * shapes + 1)
 
     @tangent_kernel
     def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
-        u, ke = np.empty((2 * shapes, width)), np.empty((entries, width))
-        b, db = np.empty((2 * shapes, 3, width)), np.empty((3, width))
-        h, s = np.empty((4, width)), np.empty((3, width))
-        sn = np.empty((2, width))
-        for e in range(dofs.shape[0]):
-            d11, d12, d33 = table[e, 0], table[e, 1], table[e, 2]
+        u, ke, b = np.empty((2 * shapes, width)), np.empty((entries, width)), np.empty((6 * shapes, width))
+        for e in range(0, dofs.shape[0], together):
+            d11, d12, d33 = entry(table, 0, e, states), entry(table, 1, e, states), entry(table, 2, e, states)
             for a in range(2 * shapes):
-                dof = dofs[e, a]
-                for w in range(width):
-                    u[a, w] = q[dof, w] if dof >= 0 else 0.0
-            for entry in range(entries):
-                linear = table[e, 3 + points * stride + entry]
-                for w in range(width):
-                    ke[entry, w] = -linear
+                if states == 1:
+                    for lane in range(width):
+                        dof = dofs[e + lane, a]
+                        u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
+                else:
+                    dof = dofs[e, a]
+                    store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
+            for slot in range(entries):
+                store(ke, slot, -entry(table, 3 + points * stride + slot, e, states))
             for k in range(points):
                 at = 3 + k * stride
-                weight = table[e, at]
-                for w in range(width):
-                    h[0, w] = h[1, w] = h[2, w] = h[3, w] = 0.0
+                weight = entry(table, at, e, states)
+                h0 = h1 = h2 = h3 = fill(0.0, width)
                 for a in range(shapes):
-                    n0, n1 = table[e, at + 1 + 2 * a], table[e, at + 2 + 2 * a]
-                    for w in range(width):
-                        h[0, w] += u[2 * a, w] * n0
-                        h[1, w] += u[2 * a, w] * n1
-                        h[2, w] += u[2 * a + 1, w] * n0
-                        h[3, w] += u[2 * a + 1, w] * n1
-                for w in range(width):
-                    h0, h1, h2, h3 = h[0, w], h[1, w], h[2, w], h[3, w]
-                    e11 = h0 + 0.5 * (h0 * h0 + h2 * h2)
-                    e22 = h3 + 0.5 * (h1 * h1 + h3 * h3)
-                    s[0, w] = weight * (d11 * e11 + d12 * e22)
-                    s[1, w] = weight * (d12 * e11 + d11 * e22)
-                    s[2, w] = weight * d33 * (h1 + h2 + h0 * h1 + h2 * h3)
-                    h[0, w] = 1.0 + h0
-                    h[3, w] = 1.0 + h3
+                    n0, n1 = entry(table, at + 1 + 2 * a, e, states), entry(table, at + 2 + 2 * a, e, states)
+                    ux, uy = load(u, 2 * a, width), load(u, 2 * a + 1, width)
+                    h0 += n0 * ux
+                    h1 += n1 * ux
+                    h2 += n0 * uy
+                    h3 += n1 * uy
+                e11, e22 = h0 + 0.5 * (h0 * h0 + h2 * h2), h3 + 0.5 * (h1 * h1 + h3 * h3)
+                s11, s22 = weight * (d11 * e11 + d12 * e22), weight * (d12 * e11 + d11 * e22)
+                s12 = weight * d33 * (h1 + h2 + h0 * h1 + h2 * h3)
+                h0, h3 = 1.0 + h0, 1.0 + h3
                 for a in range(shapes):
-                    n0, n1 = table[e, at + 1 + 2 * a], table[e, at + 2 + 2 * a]
-                    for i in range(2):
-                        for w in range(width):
-                            f0, f1 = h[2 * i, w], h[2 * i + 1, w]
-                            b[2 * a + i, 0, w] = f0 * n0
-                            b[2 * a + i, 1, w] = f1 * n1
-                            b[2 * a + i, 2, w] = f0 * n1 + f1 * n0
-                entry = 0
+                    n0, n1 = entry(table, at + 1 + 2 * a, e, states), entry(table, at + 2 + 2 * a, e, states)
+                    store(b, 6 * a, n0 * h0)
+                    store(b, 6 * a + 1, n1 * h1)
+                    store(b, 6 * a + 2, n1 * h0 + n0 * h1)
+                    store(b, 6 * a + 3, n0 * h2)
+                    store(b, 6 * a + 4, n1 * h3)
+                    store(b, 6 * a + 5, n1 * h2 + n0 * h3)
                 for a in range(shapes):
-                    n0, n1 = table[e, at + 1 + 2 * a], table[e, at + 2 + 2 * a]
-                    for w in range(width):
-                        sn[0, w] = s[0, w] * n0 + s[2, w] * n1
-                        sn[1, w] = s[2, w] * n0 + s[1, w] * n1
+                    n0, n1 = entry(table, at + 1 + 2 * a, e, states), entry(table, at + 2 + 2 * a, e, states)
+                    along, across = n0 * s11 + n1 * s12, n0 * s12 + n1 * s22
                     for i in range(2):
                         row = 2 * a + i
-                        for w in range(width):
-                            b0, b1, b2 = weight * b[row, 0, w], weight * b[row, 1, w], weight * b[row, 2, w]
-                            db[0, w] = d11 * b0 + d12 * b1
-                            db[1, w] = d12 * b0 + d11 * b1
-                            db[2, w] = d33 * b2
+                        b0, b1, b2 = load(b, 3 * row, width), load(b, 3 * row + 1, width), load(b, 3 * row + 2, width)
+                        t0, t1, t2 = weight * (d11 * b0 + d12 * b1), weight * (d12 * b0 + d11 * b1), weight * d33 * b2
+                        first = row * (row + 1) // 2
                         for column in range(row + 1):
-                            if (row - column) % 2 == 0:
-                                m0, m1 = table[e, at + 1 + column - i], table[e, at + 2 + column - i]
-                                for w in range(width):
-                                    ke[entry, w] += (db[0, w] * b[column, 0, w] + db[1, w] * b[column, 1, w] + db[2, w] * b[column, 2, w]
-                                                     + sn[0, w] * m0 + sn[1, w] * m1)
-                            else:
-                                for w in range(width):
-                                    ke[entry, w] += db[0, w] * b[column, 0, w] + db[1, w] * b[column, 1, w] + db[2, w] * b[column, 2, w]
-                            entry += 1
-            for entry in range(entries):
-                slot = slots[e, entry]
-                if slot >= 0:
-                    for w in range(width):
-                        values[slot, w] += scale_q[w] * ke[entry, w]
+                            store(ke, first + column, load(ke, first + column, width) + t0 * load(b, 3 * column, width)
+                                  + t1 * load(b, 3 * column + 1, width) + t2 * load(b, 3 * column + 2, width))
+                        for other in range(a + 1):
+                            m0, m1 = entry(table, at + 1 + 2 * other, e, states), entry(table, at + 2 + 2 * other, e, states)
+                            at_ke = first + 2 * other + i
+                            store(ke, at_ke, load(ke, at_ke, width) + m0 * along + m1 * across)
+            if states == 1:
+                for lane in range(width):
+                    for number in range(entries):
+                        slot = slots[e + lane, number]
+                        if slot >= 0:
+                            values[slot, 0] += scale_q[0] * ke[number, lane]
+            else:
+                scale = load(scale_q.reshape(1, width), 0, width)
+                for number in range(entries):
+                    slot = slots[e, number]
+                    if slot >= 0:
+                        store(values, slot, load(values, slot, width) + scale * load(ke, number, width))
 
     return tangent

@@ -1,15 +1,16 @@
 """Symmetric banded matrices for several states side by side.
 
 A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one column after the other, the state last.
-`cholesky` and `solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.3.5); with the number of states
-fixed at compilation their inner loops become vector instructions.
+`cholesky` and `solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.3.5), written in lanes.
 """
 
 from functools import cache
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from scipy.sparse import coo_matrix, spmatrix
+
+from vibrom.lanes import kernel, load, store
 
 _band = types.float64[:, :, ::1]
 _one = types.float64[:, ::1]
@@ -40,66 +41,65 @@ def band_slots(dofs: np.ndarray, half: int) -> np.ndarray:
 def kernels(width: int):
     """(multiply_add, multiply_add_each, cholesky, solve) for `width` states."""
 
-    @njit([types.void(_one, _one, _one)], cache=True, fastmath=True, error_model="numpy")
+    @kernel(types.void(_one, _one, _one))
     def multiply_add(band, x, y):
         """y += A x, the same A for every state."""
         n, depth = band.shape
         for j in range(n):
-            for w in range(width):
-                y[j, w] += band[j, 0] * x[j, w]
+            here = load(x, j, width)
+            total = band[j, 0] * here
             for d in range(1, min(depth, n - j)):
                 value = band[j, d]
-                for w in range(width):
-                    y[j + d, w] += value * x[j, w]
-                    y[j, w] += value * x[j + d, w]
+                store(y, j + d, load(y, j + d, width) + value * here)
+                total += value * load(x, j + d, width)
+            store(y, j, load(y, j, width) + total)
 
-    @njit([types.void(_band, _one, _one)], cache=True, fastmath=True, error_model="numpy")
+    @kernel(types.void(_band, _one, _one))
     def multiply_add_each(band, x, y):
         """y += A x, an A for each state."""
         n, depth = band.shape[0], band.shape[1]
+        entries = band.reshape(n * depth, width)
         for j in range(n):
-            for w in range(width):
-                y[j, w] += band[j, 0, w] * x[j, w]
+            here = load(x, j, width)
+            total = load(entries, j * depth, width) * here
             for d in range(1, min(depth, n - j)):
-                for w in range(width):
-                    y[j + d, w] += band[j, d, w] * x[j, w]
-                    y[j, w] += band[j, d, w] * x[j + d, w]
+                value = load(entries, j * depth + d, width)
+                store(y, j + d, load(y, j + d, width) + value * here)
+                total += value * load(x, j + d, width)
+            store(y, j, load(y, j, width) + total)
 
-    @njit([types.void(_band)], cache=True, fastmath=True, error_model="numpy")
+    @kernel(types.void(_band))
     def cholesky(band):
         """A = L L' in place; a state whose A is not positive definite ends as NaN and spoils no other."""
         n, depth = band.shape[0], band.shape[1]
-        inverse = np.empty(width)
+        entries = band.reshape(n * depth, width)
         for j in range(n):
-            for w in range(width):
-                inverse[w] = 1.0 / np.sqrt(band[j, 0, w])
             # The diagonal keeps 1/L_jj: substitution multiplies by it.
-            for w in range(width):
-                band[j, 0, w] = inverse[w]
+            inverse = 1.0 / np.sqrt(load(entries, j * depth, width))
+            store(entries, j * depth, inverse)
             reach = min(depth, n - j)
             for d in range(1, reach):
-                for w in range(width):
-                    band[j, d, w] *= inverse[w]
+                store(entries, j * depth + d, inverse * load(entries, j * depth + d, width))
             for d in range(1, reach):
+                value = load(entries, j * depth + d, width)
                 for k in range(d, reach):
-                    for w in range(width):
-                        band[j + d, k - d, w] -= band[j, d, w] * band[j, k, w]
+                    at = (j + d) * depth + k - d
+                    store(entries, at, load(entries, at, width) - value * load(entries, j * depth + k, width))
 
-    @njit([types.void(_band, _one)], cache=True, fastmath=True, error_model="numpy")
+    @kernel(types.void(_band, _one))
     def solve(band, x):
         """x becomes A^-1 x, from the factor that `cholesky` left in `band`."""
         n, depth = band.shape[0], band.shape[1]
+        entries = band.reshape(n * depth, width)
         for j in range(n):
-            for w in range(width):
-                x[j, w] *= band[j, 0, w]
+            here = load(x, j, width) * load(entries, j * depth, width)
+            store(x, j, here)
             for d in range(1, min(depth, n - j)):
-                for w in range(width):
-                    x[j + d, w] -= band[j, d, w] * x[j, w]
+                store(x, j + d, load(x, j + d, width) - load(entries, j * depth + d, width) * here)
         for j in range(n - 1, -1, -1):
-            for d in range(1, min(depth, n - j)):
-                for w in range(width):
-                    x[j, w] -= band[j, d, w] * x[j + d, w]
-            for w in range(width):
-                x[j, w] *= band[j, 0, w]
+            here = load(x, j, width)
+            for d in range(min(depth, n - j) - 1, 0, -1):  # the newest last: only that product waits for the row before
+                here -= load(entries, j * depth + d, width) * load(x, j + d, width)
+            store(x, j, here * load(entries, j * depth, width))
 
     return multiply_add, multiply_add_each, cholesky, solve

@@ -19,11 +19,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from vibrom.lanes import WIDTH
 from vibrom.solvers import banded, sparse
 from vibrom.solvers.newmark_loop import newmark_loop
 from vibrom.term import Term
 
-WIDTH = 8  # states side by side: one AVX-512 register of doubles
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class Newmark:
         out = record.allocate(n, states, steps)
         half = max(banded.half_bandwidth(part) for part in (term.mass, term.damping, term.stiffness) if part is not None)
         for force in term.forces:
-            slots = np.where(force.dofs < 0, np.nan, force.dofs.astype(float))
-            half = max(half, int(np.nanmax(np.nanmax(slots, axis=1) - np.nanmin(slots, axis=1))))
+            low = np.where(force.dofs < 0, n, force.dofs).min(axis=1)
+            half = max(half, int((force.dofs.max(axis=1) - low).max()))
         integrate = sparse.run if half > self.widest_band else _run_banded
         first = 0
         while first < states:

@@ -8,9 +8,10 @@ import warnings
 from functools import cache
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from vibrom.lanes import fill, kernel, load, store
 from vibrom.term import FORCE, TANGENT
 
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -33,7 +34,7 @@ def newmark_loop(width: int, forces: int):
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -43,24 +44,26 @@ def newmark_loop(width: int, forces: int):
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
         r, f, inertial, linear = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
-        squares, norm, previous, scale = np.empty((4, width)), np.empty(width), np.empty(width), np.empty(width)
+        norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
+        hs = load(h.reshape(1, width), 0, width)
+        by_q, by_v = beta * hs * hs, gamma * hs
         values = factor.reshape(factor.shape[0] * factor.shape[1], width)
         stored = 0
         for step in range(first, last + 1):
             if step > first:
+                u = load(signal, step, width)
                 for i in range(n):
-                    for w in range(width):
-                        old = a[i, w]
-                        # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
-                        # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
-                        guess = 2.0 * (old - earlier[i, w]) + oldest[i, w] if nonlinear else 0.0
-                        q[i, w] += h[w] * v[i, w] + h[w] * h[w] * ((0.5 - beta) * old + beta * guess)
-                        v[i, w] += h[w] * ((1.0 - gamma) * old + gamma * guess)
-                        oldest[i, w] = earlier[i, w]
-                        earlier[i, w] = before[i, w]
-                        before[i, w] = old
-                        a[i, w] = guess
+                    here, old, third = load(v, i, width), load(a, i, width), load(earlier, i, width)
+                    # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
+                    # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
+                    guess = 2.0 * (old - third) + load(oldest, i, width) if nonlinear else fill(0.0, width)
+                    store(q, i, load(q, i, width) + hs * (here + hs * ((0.5 - beta) * old + beta * guess)))
+                    store(v, i, here + hs * ((1.0 - gamma) * old + gamma * guess))
+                    store(oldest, i, third)
+                    store(earlier, i, load(before, i, width))
+                    store(before, i, old)
+                    store(a, i, guess)
                 done = False
                 for iteration in range(max_iterations + 1):
                     # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
@@ -79,31 +82,30 @@ def newmark_loop(width: int, forces: int):
                             force_kernels[k](q, v, dofs[k], tables[k], f)
                         slow = False
                         done = True
-                        squares[:] = 0.0
+                        if iteration == 0:
+                            bodies = springs = loads = fill(0.0, width)
+                            for i in range(n):
+                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u
+                                store(linear, i, spring + body)
+                                spring += load(f, i, width)
+                                bodies += body * body
+                                springs += spring * spring
+                                loads += p * p
+                            store(scale, 0, np.sqrt(bodies) + np.sqrt(springs) + np.sqrt(loads))
+                        squares = fill(0.0, width)
                         for i in range(n):
-                            for w in range(width):
-                                p = load[i] * signal[step, w]
-                                if iteration == 0:
-                                    spring = linear[i, w] + f[i, w]
-                                    squares[1, w] += inertial[i, w] * inertial[i, w]
-                                    squares[2, w] += spring * spring
-                                    squares[3, w] += p * p
-                                    linear[i, w] += inertial[i, w]
-                                residual = p - linear[i, w] - f[i, w]
-                                r[i, w] = residual
-                                squares[0, w] += residual * residual
-                        for w in range(width):
-                            norm[w] = np.sqrt(squares[0, w])
-                            if iteration == 0:
-                                scale[w] = np.sqrt(squares[1, w]) + np.sqrt(squares[2, w]) + np.sqrt(squares[3, w])
+                            residual = shape[i] * u - load(linear, i, width) - load(f, i, width)
+                            store(r, i, residual)
+                            squares += residual * residual
+                        store(norm, 0, np.sqrt(squares))
                         for w in range(width):
                             if failed[w] >= 0:
                                 continue
-                            if not norm[w] <= tolerance * scale[w]:
+                            if not norm[0, w] <= tolerance * scale[0, w]:
                                 done = False
-                                if iteration > 0 and not norm[w] <= refresh * previous[w]:
+                                if iteration > 0 and not norm[0, w] <= refresh * previous[w]:
                                     slow = True
-                            previous[w] = norm[w]
+                            previous[w] = norm[0, w]
                         # The guess alone is an explicit step: at least one solve makes it implicit.
                         if done and iteration > 0:
                             break
@@ -118,20 +120,19 @@ def newmark_loop(width: int, forces: int):
                             counts[2] = 1
                     else:
                         for i in range(n):
-                            for w in range(width):
-                                r[i, w] = load[i] * signal[step, w] - inertial[i, w] - linear[i, w]
+                            store(r, i, shape[i] * u - load(inertial, i, width) - load(linear, i, width))
                         done = True
                     solve(factor, r)
                     counts[0] += 1
                     for i in range(n):
-                        for w in range(width):
-                            a[i, w] += r[i, w]
-                            v[i, w] += scale_v[w] * r[i, w]
-                            q[i, w] += scale_q[w] * r[i, w]
+                        change = load(r, i, width)
+                        store(a, i, load(a, i, width) + change)
+                        store(v, i, load(v, i, width) + by_v * change)
+                        store(q, i, load(q, i, width) + by_q * change)
                     if not nonlinear:
                         break
                 for w in range(width):
-                    if failed[w] < 0 and ((nonlinear and not norm[w] <= tolerance * scale[w]) or not np.isfinite(a[0, w])):
+                    if failed[w] < 0 and ((nonlinear and not norm[0, w] <= tolerance * scale[0, w]) or not np.isfinite(a[0, w])):
                         failed[w] = step
                         counts[2] = 0
                     if failed[w] >= 0:  # at rest from here on: it costs no iterations and cannot overflow
@@ -148,4 +149,4 @@ def newmark_loop(width: int, forces: int):
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        return njit([signature], cache=True, error_model="numpy")(loop)
+        return kernel(signature, fastmath=False)(loop)

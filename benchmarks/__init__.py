@@ -1,0 +1,1 @@
+"""What is fast, against named rivals: `python -m benchmarks` runs all, `python -m benchmarks <name> ...` some."""

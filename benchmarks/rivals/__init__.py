@@ -1,0 +1,1 @@
+"""What a user would write today, correct and idiomatic."""

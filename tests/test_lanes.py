@@ -1,0 +1,100 @@
+"""Lanes do for each state what plain arithmetic does for one."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from numba import njit
+from numba.core.errors import TypingError
+
+from vibrom.lanes import WIDTH, entry, fill, load, store
+
+
+def evaluate(width, function, *rows):
+    """function of lanes loaded from each row (width,)."""
+    if len(rows) == 1:
+        @njit
+        def run(arrays, out):
+            store(out, 0, function(load(arrays, 0, width)))
+    else:
+        @njit
+        def run(arrays, out):
+            store(out, 0, function(load(arrays, 0, width), load(arrays, 1, width)))
+
+    out = np.zeros((1, width))
+    run(np.stack(rows), out)
+    return out[0]
+
+
+OPERATIONS = {
+    "sum": lambda x, y: x + y, "difference": lambda x, y: x - y, "product": lambda x, y: x * y, "quotient": lambda x, y: x / y,
+    "number on the left": lambda x, y: 2.0 / x - 3 * y, "number on the right": lambda x, y: (x - 1.5) * 2 + y,
+}
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 8])
+@pytest.mark.parametrize("name", OPERATIONS)
+def test_arithmetic(name, width):
+    x, y = np.random.default_rng(1).uniform(0.5, 2.0, (2, width))
+    function = OPERATIONS[name]
+    # Two roundings, or one where a product and a sum became one instruction.
+    np.testing.assert_allclose(evaluate(width, njit(function), x, y), function(x, y), rtol=1e-14, atol=1e-15)
+
+
+def test_root_negative_and_growing_sums():
+    @njit
+    def function(x):
+        y = fill(1.0, 8)
+        y += x
+        y -= 0.5
+        y *= x
+        y /= 4.0
+        return -np.sqrt(y)
+
+    x = np.linspace(0.0, 3.0, 8)
+    np.testing.assert_allclose(evaluate(8, function, x), -np.sqrt((0.5 + x) * x / 4.0), rtol=1e-14)
+
+
+def test_a_lane_that_is_not_a_number_spoils_no_other():
+    x = np.array([1.0, np.nan, -1.0, np.inf])
+    expected = np.sqrt(x, where=x >= 0, out=np.full(4, np.nan))
+    np.testing.assert_array_equal(evaluate(4, njit(lambda x: np.sqrt(x)), x), expected)
+
+
+@pytest.mark.parametrize("states", [1, 4])
+def test_entries_are_shared_by_states_and_differ_between_elements(states):
+    width = WIDTH if states == 1 else states
+
+    @njit
+    def run(table, out):
+        store(out, 0, entry(table, 1, 3, states))
+
+    table, out = np.arange(40.0).reshape(2, 20), np.zeros((1, width))
+    run(table, out)
+    np.testing.assert_array_equal(out[0], table[1, 3:3 + width] if states == 1 else np.full(states, table[1, 3]))
+
+
+def test_only_contiguous_rows_are_lanes():
+    @njit
+    def run(x):
+        return load(x, 0, 4) + load(x, 1, 8)
+
+    with pytest.raises(TypingError, match="do not go together"):
+        run(np.zeros((2, 8)))
+    with pytest.raises(TypingError, match="contiguous float64"):
+        run(np.zeros((2, 8)).T)
+
+
+def test_specialisations_of_several_processes_are_told_apart(tmp_path):
+    """Each width is compiled by a process of its own; one that finds both on disk must call the right one."""
+    code = ("import sys, numpy as np; from numba import njit, types; from vibrom.solvers.banded import kernels\n"
+            "band = types.float64[:, :, ::1]\n"
+            "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"  # as the time loop calls it
+            "for width in map(int, sys.argv[1:]):\n"
+            "    matrix = np.full((5, 1, width), 4.0)\n"
+            "    call(kernels(width)[2], matrix)\n"
+            "    assert np.array_equal(matrix, np.full((5, 1, width), 0.5)), (width, matrix)")
+    for widths in ("3", "2", "2 3 2"):
+        subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
