@@ -75,6 +75,11 @@ class Term:
         parts = {part.name: both(part.name) for part in fields(self) if part.name != "forces"}
         return Term(forces=self.forces + other.forces, **parts)
 
+    @property
+    def size(self) -> int:
+        """n, the number of free displacements."""
+        return next(part.shape[0] for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load) if part is not None)
+
     def require(self, part: str, effect: str, brought_by: str):
         """The part of this name, or a SceneError that says which effect brings it."""
         value = getattr(self, part)
