@@ -14,6 +14,7 @@ from scipy.sparse.linalg import splu
 from vibrom.solvers.sparse import Tangent
 from vibrom.term import SceneError, Term
 
+EPSILON = float(np.finfo(float).eps)
 SMALLEST = 2.0**-10  # of the first step: a step that fails at this part of it will fail at any
 
 
@@ -31,6 +32,7 @@ class Body:
     def __init__(self, term: Term):
         self.term, self.still = term, np.zeros((term.size, 1))
         self.pattern = Tangent(term, 0.0, 0.0, 1.0)
+        self.stiff = None if term.stiffness is None else abs(term.stiffness)
 
     def internal(self, q: np.ndarray) -> np.ndarray:
         """K q + sum f(q, 0) (n,) [N]."""
@@ -39,6 +41,11 @@ class Body:
         for force in self.term.forces:
             force.kernels(1)[0](state, self.still, force.dofs, force.table, f)
         return f[:, 0]
+
+    def holds(self, q: np.ndarray, internal: np.ndarray, load: np.ndarray, tolerance: float) -> bool:
+        """|r| <= tolerance (|K q + f| + |load|), or r is rounding: in slender bodies entries of K q are far larger than their sum."""
+        rounding = 0.0 if self.stiff is None else 8 * EPSILON * np.linalg.norm(self.stiff @ np.abs(q))
+        return bool(np.linalg.norm(load - internal) <= tolerance * (np.linalg.norm(internal) + np.linalg.norm(load)) + rounding)
 
     def tangent(self, q: np.ndarray) -> csc_matrix:
         """K + sum df/dq (n, n) [N/m]; not positive definite beyond a limit point, not symmetric under follower loads."""
@@ -79,9 +86,9 @@ def _newton(body: Body, q: np.ndarray, load: np.ndarray, tolerance: float, max_i
     first = np.inf
     for iteration in range(max_iterations + 1):
         internal = body.internal(q)
-        norm = np.linalg.norm(load - internal)
-        if norm <= tolerance * (np.linalg.norm(internal) + np.linalg.norm(load)):
+        if body.holds(q, internal, load, tolerance):
             return q, iteration
+        norm = np.linalg.norm(load - internal)
         # A long predictor stretches a slender body: its first residual may be large, later ones may not grow beyond it.
         if not np.isfinite(norm) or (iteration > 1 and norm > 1e3 * first):
             break
@@ -113,7 +120,7 @@ def path(term: Term, load: np.ndarray, length: float, points: int, *, start: np.
             internal = body.internal(trial)
             external = dead + height * load
             r = external - internal
-            converged = np.linalg.norm(r) <= tolerance * (np.linalg.norm(internal) + np.linalg.norm(external))
+            converged = body.holds(trial, internal, external, tolerance)
             if converged or iteration == max_iterations or not np.isfinite(r).all():
                 break
             solve = splu(body.tangent(trial)).solve
