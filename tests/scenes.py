@@ -3,6 +3,7 @@
 CANTILEVER = {"length": 1.0, "height": 0.02, "width": 0.05, "cells": [40, 2], "element": "bilinear", "clamped": ["left"],
               "probes": {"probe": {"at": [0.525, 0.0], "direction": "y"}, "tip": {"at": [1.0, 0.01], "direction": "y"}}}
 ELASTICITY = {"young_modulus": 104.0e9, "poisson_ratio": 0.3, "plane": "stress"}
+SLENDER = {**ELASTICITY, "poisson_ratio": 0.0}  # what beam theory assumes
 LINEAR = {"inertia": {"density": 440.0}, "elasticity": ELASTICITY}
 UNDAMPED = {**LINEAR, "geometric_nonlinearity": {}}
 THESIS = {**UNDAMPED, "rayleigh_damping": {"damping_ratio": 0.01}, "modal_load": {"mode": 1}}

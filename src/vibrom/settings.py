@@ -137,6 +137,8 @@ def check_scene(scene: dict[str, Any], place: Place) -> None:
             raise SettingsError(file, where, given, f"is no effect; {closest(effect, known)}")
         scene["effects"][effect] = given or {}
         check_plug("effects", effect, given or {}, place, ("effects", effect))
+        if "at" in (given or {}):  # a key of this name is a point of the body
+            check_probe(scene["body"], given["at"], place(("effects", effect, "at")))
     body, time = scene["body"], scene["time"]
     for probe, where_at in body["probes"].items():
         check_probe(body, where_at["at"], place(("body", "probes", probe, "at")))
@@ -159,7 +161,7 @@ def check_scene(scene: dict[str, Any], place: Place) -> None:
 
 
 def check_probe(body: dict[str, Any], point: list[float], stands: tuple[Path, tuple]) -> None:
-    """A probe sits on a node that can move."""
+    """A probe, or where an effect acts, is a node that can move."""
     parts = 1 if body["element"] == "bilinear" else 2
     spacing = [
         size / (cells * parts) for size, cells in zip((body["length"], body["height"]), body["cells"], strict=True)

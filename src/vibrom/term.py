@@ -1,12 +1,13 @@
-"""What effects add up to:  M a + C v + K q + sum_i f_i(q, v) = p u(t).
+"""What effects add up to:  M a + C v + K q + sum_i f_i(q, v) = p u(t) + p_0.
 
 A Term holds the parts that are there; a part that no effect brings is None (or no force), never a zero matrix. Terms add with `+`.
+M, C and K are symmetric. Forces vanish at rest, f_i(0, 0) = 0: what acts on the undeformed body at all times is the dead load p_0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numba import types
@@ -14,7 +15,8 @@ from scipy.sparse import csr_matrix
 
 from vibrom.lanes import kernel
 
-# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv for the elements' lower triangles.
+# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv: of each element of a symmetric force the lower
+# triangle, row by row, of a non-symmetric one the whole matrix.
 _states = types.float64[:, ::1]
 _index = types.int64[:, ::1]
 _scale = types.float64[::1]
@@ -36,32 +38,43 @@ class Force:
 
     kernels   width -> (force, tangent), compiled for `width` states side by side, the state index last
     dofs      (elements, d) free dof of each local dof, -1 where it is clamped
-    table     (elements, k) what the kernels know of each element
+    table     what the kernels know of the elements
+    symmetric its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row); otherwise d*d (row by row)
     """
 
     kernels: Callable[[int], tuple[Callable, Callable]]
     dofs: np.ndarray
     table: np.ndarray
+    symmetric: bool = True
 
 
 @dataclass(frozen=True)
 class Term:
-    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the signal]; elastic (3, 3) [N/m]:
-    stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness included."""
+    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the signal]; dead_load (n,) [N]; elastic (3, 3)
+    [N/m]: stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness included; carried (n, 2) [kg]: the mass that a uniform
+    acceleration along x and y moves, M times the rigid translations, clamped dofs included."""
 
     mass: csr_matrix | None = None
     damping: csr_matrix | None = None
     stiffness: csr_matrix | None = None
     forces: tuple[Force, ...] = ()
     load: np.ndarray | None = None
+    dead_load: np.ndarray | None = None
     elastic: np.ndarray | None = None
+    carried: np.ndarray | None = None
 
     def __add__(self, other: Term) -> Term:
         def both(name: str):
             mine, theirs = getattr(self, name), getattr(other, name)
             return theirs if mine is None else mine if theirs is None else mine + theirs
 
-        return Term(both("mass"), both("damping"), both("stiffness"), self.forces + other.forces, both("load"), both("elastic"))
+        parts = {part.name: both(part.name) for part in fields(self) if part.name != "forces"}
+        return Term(forces=self.forces + other.forces, **parts)
+
+    @property
+    def size(self) -> int:
+        """n, the number of free displacements."""
+        return next(part.shape[0] for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load) if part is not None)
 
     def require(self, part: str, effect: str, brought_by: str):
         """The part of this name, or a SceneError that says which effect brings it."""

@@ -7,6 +7,7 @@ from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
 from vibrom import effects, space
 from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
+from vibrom.solvers.static import equilibrium
 
 
 @pytest.fixture(scope="module")
@@ -153,3 +154,26 @@ def test_records_what_is_asked(cantilever):
     np.testing.assert_array_equal(part.acceleration[0], whole.acceleration[0, 1990::7])
     np.testing.assert_array_equal(part.probes[0, 0], whole.probes[0, 1, 1995:])
     np.testing.assert_array_equal(whole.probes[0, 0], whole.displacement[0, :, 3])
+
+
+def test_dead_load_holds_the_body_where_statics_does(cantilever):
+    """Released at the equilibrium under gravity, the body stays there; the force of 5e4 m/s^2 bends it by a tenth of its length."""
+    made, _ = cantilever
+    term = effects.assemble(made, {**THESIS, "gravity": {"x": 0.0, "y": -5e4}})
+    rest = equilibrium(term)
+    for settings in (Newmark(tolerance=1e-8), Newmark(tolerance=1e-8, widest_band=0)):
+        motion = settings.run(term, rest[:, None], np.array([1.5e-5]), 50)
+        assert motion.outcomes == ["ok"]
+        # A constant residual r bends the body no farther than r/K: the statics' own tolerance, doubled by the swing.
+        assert np.abs(motion.displacement[0] - rest).max() <= 1e-6 * np.abs(rest).max()
+
+
+def test_a_follower_load_in_the_band_and_in_a_sparse_matrix(cantilever):
+    """The band keeps half of its tangent, the sparse factorisation all of it: the same motion, in as many iterations."""
+    made, _ = cantilever
+    term = effects.assemble(made, {**THESIS, "follower_load": {"edge": "right", "pressure": 2e6, "shear": 1e6}})
+    start, step = np.zeros((made.size, 1)), np.array([1.5e-5])
+    half, whole = (Newmark(tolerance=1e-8, widest_band=width).run(term, start, step, 200) for width in (400, 0))
+    assert half.outcomes == whole.outcomes == ["ok"]
+    assert np.abs(half.displacement - whole.displacement).max() <= 1e-6 * np.abs(whole.displacement).max()
+    assert half.iterations <= 1.2 * whole.iterations

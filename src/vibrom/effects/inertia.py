@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import skfem
 from skfem.helpers import dot
 
@@ -14,5 +15,5 @@ class Inertia:
     density: float  # kg/m^3
 
     def assemble(self, space: Space, base: Term) -> Term:
-        form = skfem.BilinearForm(lambda u, v, w: self.density * space.thickness * dot(u, v))
-        return Term(mass=space.matrix(form.assemble(space.basis)))
+        mass = skfem.BilinearForm(lambda u, v, w: self.density * space.thickness * dot(u, v)).assemble(space.basis)
+        return Term(mass=space.matrix(mass), carried=space.vector(mass @ np.eye(2)[space.axis]))

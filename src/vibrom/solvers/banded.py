@@ -30,11 +30,15 @@ def to_band(matrix: spmatrix, half: int) -> np.ndarray:
     return band
 
 
-def band_slots(dofs: np.ndarray, half: int) -> np.ndarray:
-    """(elements, d(d+1)/2) where each entry of an element's lower triangle goes in the flattened band, -1 for clamped ones."""
-    rows, columns = (dofs[:, index] for index in np.tril_indices(dofs.shape[1]))
+def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarray:
+    """(elements, d(d+1)/2), or (elements, d*d) for whole matrices, where each entry of an element's matrix goes in the flattened band.
+
+    -1 for clamped ones, and for what a non-symmetric matrix has above the diagonal.
+    """
+    d = dofs.shape[1]
+    rows, columns = (dofs[:, index] for index in (np.tril_indices(d) if symmetric else np.divmod(np.arange(d * d), d)))
     low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-    return np.ascontiguousarray(np.where(low >= 0, low * (half + 1) + (high - low), -1))
+    return np.ascontiguousarray(np.where((low >= 0) & (symmetric | (rows >= columns)), low * (half + 1) + (high - low), -1))
 
 
 @cache

@@ -1,12 +1,13 @@
-"""Implicit Newmark integration of  M a + C v + K q + sum f(q, v) = p u(t), many states side by side.
+"""Implicit Newmark integration of  M a + C v + K q + sum f(q, v) = p u(t) + p_0, many states side by side.
 
     q_{k+1} = q_k + h v_k + h^2 [(1/2 - beta) a_k + beta a_{k+1}],    v_{k+1} = v_k + h [(1 - gamma) a_k + gamma a_{k+1}]
     gamma = 1/2 + alpha,  beta = (1 + alpha)^2 / 4
 
 Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step
-solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u|), the right side taken at the
+solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u + p_0|), the right side taken at the
 step's first guess, and keeps the factor of the tangent as long as the residual falls fast. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
-forces the operator is factorised once and each step is one solve.
+forces the operator is factorised once and each step is one solve. Of a non-symmetric tangent the band keeps the lower triangle: beside the mass of a time step the rest
+is small, and what the iteration must reach is the residual.
 """
 
 from __future__ import annotations
@@ -111,10 +112,10 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         base = base + gamma * h * damping[:, :, None]
     if stiffness.size:
         base = base + beta * h**2 * stiffness[:, :, None]
-    load = np.zeros(n) if term.load is None else np.ascontiguousarray(term.load)
+    load, dead = (np.zeros(n) if part is None else np.ascontiguousarray(part) for part in (term.load, term.dead_load))
     a = np.zeros_like(q)
     if initial == "equilibrium":
-        a = load[:, None] * signal[0]
+        a = load[:, None] * signal[0] + dead[:, None]
         for band, x in ((damping, v), (stiffness, q)):
             if band.size:
                 multiply_add(-band, x, a)
@@ -130,7 +131,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         cholesky(factor)
     state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
     dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
-    slots = tuple(banded.band_slots(force.dofs, half) for force in term.forces)
+    slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
     numbers = np.array([gamma, beta, settings.tolerance, settings.refresh])
     live = where.stop - where.start
@@ -141,7 +142,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         last = min(first + chunk, steps)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
-            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, mass, damping, stiffness, base, factor,
+            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, mass, damping, stiffness, base, factor,
                           multiply_add, multiply_add_each, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
                           failed, counts, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)

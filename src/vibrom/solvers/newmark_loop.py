@@ -30,11 +30,11 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -85,7 +85,7 @@ def newmark_loop(width: int, forces: int):
                         if iteration == 0:
                             bodies = springs = loads = fill(0.0, width)
                             for i in range(n):
-                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u
+                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
                                 store(linear, i, spring + body)
                                 spring += load(f, i, width)
                                 bodies += body * body
@@ -94,7 +94,7 @@ def newmark_loop(width: int, forces: int):
                             store(scale, 0, np.sqrt(bodies) + np.sqrt(springs) + np.sqrt(loads))
                         squares = fill(0.0, width)
                         for i in range(n):
-                            residual = shape[i] * u - load(linear, i, width) - load(f, i, width)
+                            residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
                             store(r, i, residual)
                             squares += residual * residual
                         store(norm, 0, np.sqrt(squares))
@@ -120,7 +120,7 @@ def newmark_loop(width: int, forces: int):
                             counts[2] = 1
                     else:
                         for i in range(n):
-                            store(r, i, shape[i] * u - load(inertial, i, width) - load(linear, i, width))
+                            store(r, i, shape[i] * u + dead[i] - load(inertial, i, width) - load(linear, i, width))
                         done = True
                     solve(factor, r)
                     counts[0] += 1

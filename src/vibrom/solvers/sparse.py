@@ -1,6 +1,7 @@
 """Newmark steps with a sparse direct factorisation, for matrices whose band is too wide: the same equations, one state at a time.
 
-The compiled element kernels are those of the banded loop; only the tangent's storage and its factorisation (SuperLU) differ.
+The compiled element kernels are those of the banded loop; only the tangent's storage and its factorisation (SuperLU) differ. Static solves
+assemble their tangent by the same class.
 """
 
 from __future__ import annotations
@@ -9,46 +10,59 @@ import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-from vibrom.term import Term
+from vibrom.term import Force, Term
 
 
 class Tangent:
-    """M + scale_v C + scale_q (K + df/dq), symmetric; the element kernels add into the lower triangle of one fixed pattern."""
+    """scale_a M + scale_v C + scale_q (K + df/dq) in one fixed pattern, into which the element kernels add."""
 
-    def __init__(self, term: Term, scale_q: float, scale_v: float):
-        n = term.mass.shape[0]
-        linear = coo_matrix(term.mass)
-        for part, scale in ((term.damping, scale_v), (term.stiffness, scale_q)):
-            if part is not None:
-                linear = coo_matrix(linear + scale * part)
-        pairs = [self._entries(force.dofs, n) for force in term.forces]
-        keep = linear.row >= linear.col
-        linear_keys = linear.row[keep].astype(np.int64) * n + linear.col[keep]
-        keys = np.unique(np.concatenate([linear_keys, *(pair[pair >= 0] for pair in pairs)]))
+    def __init__(self, term: Term, scale_a: float, scale_v: float, scale_q: float):
+        self.n, self.forces = term.size, term.forces
+        self.symmetric = all(force.symmetric for force in term.forces)
+        self.scale_q, self.scale_v = np.array([scale_q]), np.array([scale_v])
+        linear = [(coo_matrix(part), scale) for part, scale in ((term.mass, scale_a), (term.damping, scale_v), (term.stiffness, scale_q)) if part is not None]
+        entries = [self._entries(force) for force in term.forces]
+        # An entry's key orders the matrix by columns; a symmetric force names its lower triangle, and the upper one mirrors it.
+        keys = [part.col.astype(np.int64) * self.n + part.row for part, _ in linear] + [pair[pair >= 0] for pair in entries]
+        keys = np.unique(np.concatenate([*keys, *(self._mirror(key) for key in keys)]))
         self.base = np.zeros(len(keys))
-        np.add.at(self.base, np.searchsorted(keys, linear_keys), linear.data[keep])
-        self.slots = tuple(np.ascontiguousarray(np.where(pair >= 0, np.searchsorted(keys, pair), -1)) for pair in pairs)
-        self.row, self.column, self.n = keys // n, keys % n, n
+        for part, scale in linear:
+            np.add.at(self.base, np.searchsorted(keys, part.col.astype(np.int64) * self.n + part.row), scale * part.data)
+        self.slots = tuple(np.ascontiguousarray(np.where(pair >= 0, np.searchsorted(keys, pair), -1)) for pair in entries)
+        row, column = keys % self.n, keys // self.n
+        self.lower = np.searchsorted(keys, np.minimum(row, column) * self.n + np.maximum(row, column))
+        self.row, self.start = row, np.searchsorted(column, np.arange(self.n + 1))
 
-    @staticmethod
-    def _entries(dofs: np.ndarray, n: int) -> np.ndarray:
-        rows, columns = (dofs[:, index] for index in np.tril_indices(dofs.shape[1]))
-        return np.where(np.minimum(rows, columns) >= 0, np.maximum(rows, columns) * n + np.minimum(rows, columns), -1)
+    def _entries(self, force: Force) -> np.ndarray:
+        d = force.dofs.shape[1]
+        rows, columns = (force.dofs[:, index] for index in (np.tril_indices(d) if force.symmetric else np.divmod(np.arange(d * d), d)))
+        if force.symmetric:
+            rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
+        return np.where(np.minimum(rows, columns) >= 0, columns * self.n + rows, -1)
 
-    def factorise(self, values: np.ndarray):
-        lower = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
-        strict = self.row != self.column
-        upper = csc_matrix((values[strict], (self.column[strict], self.row[strict])), shape=(self.n, self.n))
-        return splu((lower + upper).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    def _mirror(self, keys: np.ndarray) -> np.ndarray:
+        return keys % self.n * self.n + keys // self.n
+
+    def at(self, q: np.ndarray, v: np.ndarray) -> csc_matrix:
+        """The matrix (n, n) at the state q, v (n, 1)."""
+        lower, values = np.zeros((len(self.base), 1)), self.base[:, None].copy()
+        for force, slots in zip(self.forces, self.slots):
+            force.kernels(1)[1](q, v, force.dofs, force.table, slots, self.scale_q, self.scale_v, lower if force.symmetric else values)
+        return csc_matrix((values[:, 0] + lower[self.lower, 0], self.row, self.start), shape=(self.n, self.n))
+
+    def factor(self, q: np.ndarray, v: np.ndarray):
+        """Its factor; the mass makes a symmetric one positive definite, which needs no pivots."""
+        options = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}} if self.symmetric else {}
+        return splu(self.at(q, v), **options)
 
 
 def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, out, where: slice, progress) -> None:
     """The counterpart of the banded run for one state: q, v (n, 1), h (1,) [s], signal (steps + 1, 1)."""
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
     scale_q, scale_v = beta * h**2, gamma * h
-    tangent = Tangent(term, float(scale_q[0]), float(scale_v[0]))
+    tangent = Tangent(term, 1.0, float(scale_v[0]), float(scale_q[0]))
     kernels = [force.kernels(1) for force in term.forces]
-    load = np.zeros(len(q)) if term.load is None else term.load
+    load, dead = (np.zeros((len(q), 1)) if part is None else part[:, None] for part in (term.load, term.dead_load))
 
     def internal(q, v):
         f = np.zeros_like(q) if term.stiffness is None else term.stiffness @ q
@@ -62,7 +76,7 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
 
     a = np.zeros_like(q)
     if initial == "equilibrium":
-        a = splu(term.mass.tocsc()).solve(load[:, None] * signal[0] - inertial(a, v) - internal(q, v))
+        a = splu(term.mass.tocsc()).solve(load * signal[0] + dead - inertial(a, v) - internal(q, v))
     factor, index, before = None, where.start, a
 
     def keep(step):
@@ -78,7 +92,7 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
         q = q + h * v + h**2 * ((0.5 - beta) * a + beta * guess)
         v = v + h * ((1.0 - gamma) * a + gamma * guess)
         before, a, previous = a, guess, np.inf
-        external = load[:, None] * signal[step]
+        external = load * signal[step] + dead
         for iteration in range(settings.max_iterations + 1):
             body, spring = inertial(a, v), internal(q, v)
             r = external - body - spring
@@ -89,10 +103,7 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
             if (converged and iteration > 0) or iteration == settings.max_iterations or not np.isfinite(norm):
                 break
             if factor is None or (iteration > 0 and norm > settings.refresh * previous and term.forces):
-                values = tangent.base[:, None].copy()
-                for force, (_, kernel), slots in zip(term.forces, kernels, tangent.slots):
-                    kernel(q, v, force.dofs, force.table, slots, scale_q, scale_v, values)
-                factor = tangent.factorise(values[:, 0])
+                factor = tangent.factor(q, v)
                 out.factorisations += 1
             previous, change = norm, factor.solve(r)
             out.iterations += 1

@@ -8,7 +8,6 @@ import xarray as xr
 
 from vibrom.data import label, open_dataset, save_dataset, variable
 from vibrom.observed import differences
-from vibrom.progress import bar
 from vibrom.solvers.newmark import Record
 from vibrom.steps.full_order import build, motion_outcome, probe_coordinate
 
@@ -18,9 +17,7 @@ def run(*, structure: str, release: str, trajectory: str, scene: dict, role: str
     start = open_dataset(release, "release")["displacement"].sel(role=role).values
     steps = round(scene["decay"]["periods"] * model.steps_per_period)
     record = Record(probes=model.probes)
-    with bar(f"{model.name}: decay for {role}", steps, "steps") as advance:
-        motion = model.newmark.run(model.term, start[:, None], np.array([model.period / model.steps_per_period]), steps,
-                                   initial_acceleration=model.initial_acceleration, record=record, progress=advance)
+    motion = model.run(start[:, None], np.array([model.period / model.steps_per_period]), steps, record, f"{model.name}: decay for {role}")
     time, probes = motion.kept * model.period / model.steps_per_period, motion.probes[0]
     q, v, a = motion.displacement[0], motion.velocity[0], motion.acceleration[0]
     derivatives = scene["decay"].get("derivatives", "differences")

@@ -1,4 +1,7 @@
-"""Scene -> structure.nc: the body's mesh, operators, modes, load and probes."""
+"""Scene -> structure.nc: the body's mesh, operators, modes, load and probes.
+
+Under a dead load displacements are measured from the equilibrium that it makes; the stiffness and the modes are those of small motions about it.
+"""
 
 import numpy as np
 import xarray as xr
@@ -6,7 +9,7 @@ from scipy.sparse import coo_matrix
 
 from vibrom import effects, space
 from vibrom.data import label, save_dataset, variable
-from vibrom.modes import eigenmodes
+from vibrom.modes import eigenmodes, linearised
 
 MODES = 10
 OPERATORS = {"mass": "kg", "damping": "kg s-1", "stiffness": "N m-1"}
@@ -16,6 +19,7 @@ def run(*, structure: str, scene: dict, name: str, provenance: dict) -> None:
     body = space.build(scene["body"])
     term = effects.assemble(body, scene["effects"])
     frequency, modes = eigenmodes(term, MODES)
+    rest, stiffness = linearised(term)
     ratio = np.zeros(len(frequency)) if term.damping is None else np.einsum("ki,ik->k", modes, term.damping @ modes.T) / (2 * frequency)
     mesh, nodes = body.basis.mesh, {}
     corners = mesh.t.T[:, :4]
@@ -40,8 +44,10 @@ def run(*, structure: str, scene: dict, name: str, provenance: dict) -> None:
         finer = space.build({**scene["body"], "element": "quadratic", "probes": {}})
         variables["frequency_quadratic"] = variable("mode", eigenmodes(effects.assemble(finer, scene["effects"]), MODES)[0], "rad s-1",
                                                     "undamped angular eigenfrequencies of the same mesh with quadratic elements")
+    if term.dead_load is not None:
+        variables["equilibrium"] = variable("dof", rest, "m", "displacement under the dead load, from which all others are measured")
     for operator, units in OPERATORS.items():
-        matrix = getattr(term, operator)
+        matrix = stiffness if operator == "stiffness" else getattr(term, operator)
         if matrix is not None:
             entries, dim = coo_matrix(matrix), f"{operator}_entry"
             variables |= {f"{operator}_row": variable(dim, entries.row, "1", f"row of each entry of the {operator} matrix"),

@@ -1,0 +1,40 @@
+"""A spring from one node to the ground:  f(u) = k_1 u + k_3 u^3  [N] along one axis; k_3 > 0 hardens, k_3 < 0 softens.
+
+The linear part joins the stiffness, and so the modes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from vibrom.space import Space
+from vibrom.term import Force, Term, force_kernel, tangent_kernel
+
+
+@dataclass(frozen=True)
+class CubicSpring:
+    at: list[float]  # m, a node
+    direction: str  # x or y
+    linear: float = 0.0  # N/m
+    cubic: float = 0.0  # N/m^3
+
+    def assemble(self, space: Space, base: Term) -> Term:
+        dof = space.dof("effects.cubic_spring", self.at, self.direction)
+        stiffness = csr_matrix(([self.linear], ([dof], [dof])), shape=(space.size, space.size)) if self.linear else None
+        spring = Force(lambda width: (_force, _tangent), np.array([[dof]]), np.array([[float(self.cubic)]]))
+        return Term(stiffness=stiffness, forces=(spring,) if self.cubic else ())
+
+
+@force_kernel
+def _force(q, v, dofs, table, f):
+    for e in range(dofs.shape[0]):
+        for w in range(q.shape[1]):
+            f[dofs[e, 0], w] += table[e, 0] * q[dofs[e, 0], w] ** 3
+
+
+@tangent_kernel
+def _tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
+    for e in range(dofs.shape[0]):
+        for w in range(q.shape[1]):
+            values[slots[e, 0], w] += scale_q[w] * 3.0 * table[e, 0] * q[dofs[e, 0], w] ** 2
