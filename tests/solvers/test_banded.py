@@ -7,9 +7,9 @@ from scipy.sparse import csr_matrix
 from vibrom.solvers import banded
 
 
-@pytest.mark.parametrize("width", [1, 3, 8])
-def test_product_and_solve(width):
-    rng, n, half = np.random.default_rng(0), 40, 5
+@pytest.mark.parametrize(("width", "n", "half"), [(1, 40, 5), (1, 90, 40), (3, 40, 5), (8, 40, 5)])
+def test_product_and_solve(width, n, half):
+    rng = np.random.default_rng(0)
     full = np.tril(np.triu(rng.standard_normal((n, n)), -half))
     full = full @ full.T + n * np.eye(n)
     band = banded.to_band(csr_matrix(full), banded.half_bandwidth(csr_matrix(full)))

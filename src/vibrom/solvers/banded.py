@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 from scipy.sparse import coo_matrix, spmatrix
 
-from vibrom.lanes import kernel, load, store
+from vibrom.lanes import WIDTH, kernel, load, store
 
 _band = types.float64[:, :, ::1]
 _one = types.float64[:, ::1]
@@ -84,6 +84,17 @@ def kernels(width: int):
             reach = min(depth, n - j)
             for d in range(1, reach):
                 store(entries, j * depth + d, inverse * load(entries, j * depth + d, width))
+            if width == 1 and depth > 3 * WIDTH:  # long enough for lanes along the column
+                for d in range(1, reach):
+                    value, k = band[j, d, 0], d
+                    while k + WIDTH <= reach:
+                        at = (j + d) * depth + k - d
+                        store(entries, at, load(entries, at, WIDTH) - value * load(entries, j * depth + k, WIDTH))
+                        k += WIDTH
+                    while k < reach:
+                        band[j + d, k - d, 0] -= value * band[j, k, 0]
+                        k += 1
+                continue
             for d in range(1, reach):
                 value = load(entries, j * depth + d, width)
                 for k in range(d, reach):

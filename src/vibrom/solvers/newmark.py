@@ -33,7 +33,7 @@ class Newmark:
     tolerance: float = 1e-6
     max_iterations: int = 25
     refresh: float = 0.1  # factorise the tangent anew when one iteration leaves more than this part of the residual
-    widest_band: int = 400  # beyond it a sparse factorisation costs less
+    widest_band: int = 250  # beyond it a sparse factorisation costs less
 
     def run(self, term: Term, displacement: np.ndarray, step: np.ndarray, steps: int, *, velocity: np.ndarray | None = None,
             signal: np.ndarray | None = None, initial_acceleration: str = "equilibrium", record: Record | None = None,

@@ -1,16 +1,43 @@
 """Newmark steps with a sparse direct factorisation, for matrices whose band is too wide: the same equations, one state at a time.
 
-The compiled element kernels are those of the banded loop; only the tangent's storage and its factorisation (SuperLU) differ. Static solves
-assemble their tangent by the same class.
+The compiled element kernels are those of the banded loop; only the tangent's storage and its factorisation differ: MKL's PARDISO where the package pypardiso
+is installed, SciPy's SuperLU otherwise. Static solves assemble their tangent by the same class.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, triu
 from scipy.sparse.linalg import splu
 
 from vibrom.term import Force, Term
+
+try:
+    from pypardiso import PyPardisoSolver
+except ImportError:
+    PyPardisoSolver = None
+
+
+class Pardiso:
+    """Factors of symmetric matrices of one pattern, which is analysed once."""
+
+    SYMMETRIC, ANALYSE_AND_FACTORISE, FACTORISE, SOLVE = -2, 12, 22, 33
+
+    def __init__(self):
+        self.solver, self.phase = PyPardisoSolver(mtype=self.SYMMETRIC), self.ANALYSE_AND_FACTORISE
+
+    def __call__(self, matrix: csc_matrix) -> Pardiso:
+        self.upper = triu(matrix.T, format="csr")
+        self._run(self.phase, np.zeros((matrix.shape[0], 1)))
+        self.phase = self.FACTORISE
+        return self
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        return self._run(self.SOLVE, np.asfortranarray(b))
+
+    def _run(self, phase: int, b: np.ndarray) -> np.ndarray:
+        self.solver.set_phase(phase)
+        return self.solver._call_pardiso(self.upper, b)
 
 
 class Tangent:
@@ -19,6 +46,7 @@ class Tangent:
     def __init__(self, term: Term, scale_a: float, scale_v: float, scale_q: float):
         self.n, self.forces = term.size, term.forces
         self.symmetric = all(force.symmetric for force in term.forces)
+        self.pardiso = Pardiso() if PyPardisoSolver and self.symmetric else None
         self.scale_q, self.scale_v = np.array([scale_q]), np.array([scale_v])
         linear = [(coo_matrix(part), scale) for part, scale in ((term.mass, scale_a), (term.damping, scale_v), (term.stiffness, scale_q)) if part is not None]
         entries = [self._entries(force) for force in term.forces]
@@ -52,8 +80,9 @@ class Tangent:
 
     def factor(self, q: np.ndarray, v: np.ndarray):
         """Its factor; the mass makes a symmetric one positive definite, which needs no pivots."""
-        options = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}} if self.symmetric else {}
-        return splu(self.at(q, v), **options)
+        if not self.symmetric:
+            return splu(self.at(q, v))
+        return self.pardiso(self.at(q, v)) if self.pardiso else splu(self.at(q, v), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
 
 def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, out, where: slice, progress) -> None:
