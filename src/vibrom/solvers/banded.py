@@ -41,9 +41,33 @@ def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarra
     return np.ascontiguousarray(np.where((low >= 0) & (symmetric | (rows >= columns)), low * (half + 1) + (high - low), -1))
 
 
+def product_form(band: np.ndarray, width: int) -> np.ndarray:
+    """What the products take for a matrix (n, b + 1, ...): for one state its diagonals (b + 1, n, ...), whose rows are long."""
+    return band if width > 1 else np.ascontiguousarray(band.swapaxes(0, 1))
+
+
+@kernel(types.void(_one, _one, _one))
+def _multiply_add_alone(diagonals, x, y):
+    depth, n = diagonals.shape
+    x1, y1 = x.reshape(n), y.reshape(n)
+    for j in range(n):
+        y1[j] += diagonals[0, j] * x1[j]
+    for d in range(1, depth):
+        diagonal = diagonals[d]
+        for j in range(n - d):
+            y1[j + d] += diagonal[j] * x1[j]
+        for j in range(n - d):
+            y1[j] += diagonal[j] * x1[j + d]
+
+
+@kernel(types.void(_band, _one, _one))
+def _multiply_add_each_alone(diagonals, x, y):
+    _multiply_add_alone(diagonals.reshape(diagonals.shape[0], diagonals.shape[1]), x, y)
+
+
 @cache
 def kernels(width: int):
-    """(multiply_add, multiply_add_each, cholesky, solve) for `width` states."""
+    """(multiply_add, multiply_add_each, cholesky, solve) for `width` states; the products take matrices in `product_form`."""
 
     @kernel(types.void(_one, _one, _one))
     def multiply_add(band, x, y):
@@ -117,4 +141,5 @@ def kernels(width: int):
                 here -= load(entries, j * depth + d, width) * load(x, j + d, width)
             store(x, j, here * load(entries, j * depth, width))
 
-    return multiply_add, multiply_add_each, cholesky, solve
+    products = (multiply_add, multiply_add_each) if width > 1 else (_multiply_add_alone, _multiply_add_each_alone)
+    return *products, cholesky, solve

@@ -118,7 +118,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         a = load[:, None] * signal[0] + dead[:, None]
         for band, x in ((damping, v), (stiffness, q)):
             if band.size:
-                multiply_add(-band, x, a)
+                multiply_add(banded.product_form(-band, width), x, a)
         f = np.zeros_like(q)
         for force, (kernel, _) in zip(term.forces, kernels):
             kernel(q, v, force.dofs, force.table, f)
@@ -127,6 +127,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         cholesky(factor)
         solve(factor, a)
     factor = np.array(base)
+    products = [banded.product_form(band, width) for band in (mass, damping, stiffness, base)]
     if not kernels:
         cholesky(factor)
     state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
@@ -142,7 +143,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         last = min(first + chunk, steps)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
-            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, mass, damping, stiffness, base, factor,
+            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, *products, base, factor,
                           multiply_add, multiply_add_each, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
                           failed, counts, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)

@@ -30,11 +30,11 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_each, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, operator, base, factor, multiply_add, multiply_add_each, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -69,13 +69,14 @@ def newmark_loop(width: int, forces: int):
                     # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
                     if iteration == 0:
                         inertial[:], linear[:] = 0.0, 0.0
-                        multiply_add(mass, a, inertial)
+                        if nonlinear:  # without forces the guess is zero
+                            multiply_add(mass, a, inertial)
                         if damping.size > 0:
                             multiply_add(damping, v, inertial)
                         if stiffness.size > 0:
                             multiply_add(stiffness, q, linear)
                     else:
-                        multiply_add_each(base, r, linear)
+                        multiply_add_each(operator, r, linear)
                     f[:] = 0.0
                     if nonlinear:
                         for k in range(forces):

@@ -1,0 +1,36 @@
+"""Only what a scene calls for.
+
+The folding cantilever with effects left out, one state at a time: what is not listed is not computed. Without geometric nonlinearity the operator is factorised once and a
+step is one solve. To compare a scene without load or damping with one that has them, both must move alike: the load is there and its signal is zero, the damping is
+there and its ratio is 1e-12. Each pair takes turns.
+"""
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from benchmarks.cantilever import NEWMARK, SCENE, build, released
+from benchmarks.table import Row, paired
+from vibrom import effects
+from vibrom.solvers.newmark import Record
+from vibrom.term import Term
+
+STEPS = 10_000
+
+
+def measure(note) -> Iterator[Row]:
+    model, listed = build(), SCENE["effects"]
+    silent = {**listed, "rayleigh_damping": {"damping_ratio": 1e-12}}
+
+    def term(settings: dict, *without: str) -> Term:
+        return effects.assemble(model.space, {name: block for name, block in settings.items() if name not in without})
+
+    def run(term: Term) -> None:
+        NEWMARK.run(term, released()[:, None], np.array([model.step]), STEPS, signal=np.zeros((STEPS + 1, 1)), initial_acceleration="zero",
+                    record=Record(every=STEPS))
+
+    note(f"{STEPS} steps each")
+    for left_out, with_it in (("geometric_nonlinearity", listed), ("modal_load", listed), ("rayleigh_damping", silent)):
+        seconds = paired({"with": partial(run, term(with_it)), "without": partial(run, term(with_it, left_out))}, repeats=7)
+        yield Row("effects", f"microseconds per step without {left_out}", 1e6 * seconds["without"] / STEPS, "us", "with it", 1e6 * seconds["with"] / STEPS)
