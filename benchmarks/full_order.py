@@ -27,7 +27,7 @@ def measure(note) -> Iterator[Row]:
         return NEWMARK.run(model.term, q0[:, None], np.array([model.step]), steps, initial_acceleration="zero", record=Record(every=10)).displacement[0]
 
     def theirs(tricks: bool = False) -> np.ndarray:
-        return rival.run(q0, model.step, RIVAL_STEPS, alpha=NEWMARK.alpha, tolerance=NEWMARK.tolerance, refresh=NEWMARK.refresh, tricks=tricks)
+        return rival.run(q0, model.step, RIVAL_STEPS, alpha=NEWMARK.alpha, tolerance=NEWMARK.tolerance, patience=NEWMARK.patience, tricks=tricks)
 
     note(f"{STEPS} steps, the rival {RIVAL_STEPS}")
     mine, other = ours(RIVAL_STEPS), theirs()[::10]

@@ -55,7 +55,7 @@ class Beam:
     def tangent(self, q: np.ndarray):
         return self.tangent_form.assemble(self.basis, u=self._field(q))[self.free][:, self.free]
 
-    def run(self, q, h: float, steps: int, *, alpha: float, tolerance: float, refresh: float, tricks: bool = False) -> np.ndarray:
+    def run(self, q, h: float, steps: int, *, alpha: float, tolerance: float, patience: float, tricks: bool = False) -> np.ndarray:
         """Displacements (steps + 1, n) from rest in the state q, with zero acceleration."""
         gamma, beta = 0.5 + alpha, 0.25 * (1 + alpha) ** 2
         v, a, factor, history = np.zeros_like(q), np.zeros_like(q), None, [q]
@@ -73,7 +73,7 @@ class Beam:
                     scale = np.linalg.norm(body) + np.linalg.norm(spring)
                 elif norm <= tolerance * scale:
                     break
-                if not tricks or factor is None or norm > refresh * previous:
+                if not tricks or factor is None or norm * (norm / previous) ** patience > tolerance * scale:
                     factor = splu((self.mass + gamma * h * self.damping + beta * h**2 * self.tangent(q)).tocsc(), permc_spec="MMD_AT_PLUS_A",
                                   options={"SymmetricMode": True})
                 change, previous = factor.solve(residual), norm

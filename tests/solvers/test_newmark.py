@@ -98,21 +98,30 @@ def strain_energy(made, term, u):
 
 
 def test_batch_equals_loop(cantilever):
+    """Thirteen states go in a batch of sixteen, four in one of eight."""
     made, term = cantilever
     steps, forcing = 1000, np.array([1.0, 600.0, 3000.0, 6000.0])
     signal = np.sin(2 * np.pi * np.arange(steps + 1) / 500)[:, None] * forcing
-    step, rest = np.full(4, 2 * np.pi / 398.0325 / 500), np.zeros((made.size, 4))
+    step, rest = np.full(4, 2 * np.pi / 398.0325 / 500), np.zeros((made.size, 13))
     solver = Newmark(alpha=0.005, tolerance=1e-8)
-    together = solver.run(term, rest, step, steps, signal=signal)
+    many = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 2]
+    large = solver.run(term, rest, step[many], steps, signal=signal[:, many])
+    small = solver.run(term, rest[:, :4], step, steps, signal=signal)
     for index in range(4):
         alone = solver.run(term, rest[:, [index]], step[[index]], steps, signal=signal[:, [index]])
-        # Both are solved to 1e-8; the tangents that they iterate with differ.
+        # All are solved to 1e-8; the tangents that they iterate with differ.
         scale = np.abs(alone.displacement).max()
-        assert np.abs(together.displacement[index] - alone.displacement[0]).max() <= 1e-5 * scale
+        for together in (small, large):
+            assert np.abs(together.displacement[index] - alone.displacement[0]).max() <= 1e-5 * scale
+        for copy in np.nonzero(np.array(many) == index)[0]:
+            np.testing.assert_array_equal(large.displacement[copy], large.displacement[index])
 
 
-def test_sparse_equals_banded(cantilever):
-    made, term = cantilever
+@pytest.mark.parametrize("stiffness_factor", [0.0, 1e-5])
+def test_sparse_equals_banded(stiffness_factor, cantilever):
+    """With damping that is a multiple of the mass, of which the banded loop makes use, and with any other."""
+    made, _ = cantilever
+    term = effects.assemble(made, {**THESIS, "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": stiffness_factor}})
     signal = 3000 * np.sin(2 * np.pi * np.arange(201) / 500)[:, None]
     step, rest = np.array([2 * np.pi / 398.0325 / 500]), np.zeros((made.size, 1))
     banded = Newmark(tolerance=1e-8).run(term, rest, step, 200, signal=signal)

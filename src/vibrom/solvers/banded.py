@@ -42,36 +42,45 @@ def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarra
 
 
 def product_form(band: np.ndarray, width: int) -> np.ndarray:
-    """What the products take for a matrix (n, b + 1, ...): for one state its diagonals (b + 1, n, ...), whose rows are long."""
-    return band if width > 1 else np.ascontiguousarray(band.swapaxes(0, 1))
+    """What the products take for a matrix (n, b + 1): for one state its diagonals (b + 1, n), whose rows are long."""
+    return band if width > 1 else np.ascontiguousarray(band.T)
 
 
 @kernel(types.void(_one, _one, _one))
 def _multiply_add_alone(diagonals, x, y):
     depth, n = diagonals.shape
-    x1, y1 = x.reshape(n), y.reshape(n)
+    x, y = x.reshape(n), y.reshape(n)
     for j in range(n):
-        y1[j] += diagonals[0, j] * x1[j]
+        y[j] += diagonals[0, j] * x[j]
     for d in range(1, depth):
-        diagonal = diagonals[d]
+        row = diagonals[d]
         for j in range(n - d):
-            y1[j + d] += diagonal[j] * x1[j]
+            y[j + d] += row[j] * x[j]
         for j in range(n - d):
-            y1[j] += diagonal[j] * x1[j + d]
+            y[j] += row[j] * x[j + d]
 
 
-@kernel(types.void(_band, _one, _one))
-def _multiply_add_each_alone(diagonals, x, y):
-    _multiply_add_alone(diagonals.reshape(diagonals.shape[0], diagonals.shape[1]), x, y)
+@kernel(types.void(_one, _one, _one, _one, _one))
+def _multiply_add_both_alone(first, second, x, z, y):
+    depth, n = first.shape
+    x, z, y = x.reshape(n), z.reshape(n), y.reshape(n)
+    for j in range(n):
+        y[j] += first[0, j] * x[j] + second[0, j] * z[j]
+    for d in range(1, depth):
+        a, b = first[d], second[d]
+        for j in range(n - d):
+            y[j + d] += a[j] * x[j] + b[j] * z[j]
+        for j in range(n - d):
+            y[j] += a[j] * x[j + d] + b[j] * z[j + d]
 
 
 @cache
 def kernels(width: int):
-    """(multiply_add, multiply_add_each, cholesky, solve) for `width` states; the products take matrices in `product_form`."""
+    """(multiply_add, multiply_add_both, cholesky, solve) for `width` states; the products take matrices in `product_form`."""
 
     @kernel(types.void(_one, _one, _one))
     def multiply_add(band, x, y):
-        """y += A x, the same A for every state."""
+        """y += A x."""
         n, depth = band.shape
         for j in range(n):
             here = load(x, j, width)
@@ -82,18 +91,17 @@ def kernels(width: int):
                 total += value * load(x, j + d, width)
             store(y, j, load(y, j, width) + total)
 
-    @kernel(types.void(_band, _one, _one))
-    def multiply_add_each(band, x, y):
-        """y += A x, an A for each state."""
-        n, depth = band.shape[0], band.shape[1]
-        entries = band.reshape(n * depth, width)
+    @kernel(types.void(_one, _one, _one, _one, _one))
+    def multiply_add_both(first, second, x, z, y):
+        """y += A x + B z."""
+        n, depth = first.shape
         for j in range(n):
-            here = load(x, j, width)
-            total = load(entries, j * depth, width) * here
+            xj, zj = load(x, j, width), load(z, j, width)
+            total = first[j, 0] * xj + second[j, 0] * zj
             for d in range(1, min(depth, n - j)):
-                value = load(entries, j * depth + d, width)
-                store(y, j + d, load(y, j + d, width) + value * here)
-                total += value * load(x, j + d, width)
+                a, b = first[j, d], second[j, d]
+                store(y, j + d, load(y, j + d, width) + a * xj + b * zj)
+                total += a * load(x, j + d, width) + b * load(z, j + d, width)
             store(y, j, load(y, j, width) + total)
 
     @kernel(types.void(_band))
@@ -141,5 +149,5 @@ def kernels(width: int):
                 here -= load(entries, j * depth + d, width) * load(x, j + d, width)
             store(x, j, here * load(entries, j * depth, width))
 
-    products = (multiply_add, multiply_add_each) if width > 1 else (_multiply_add_alone, _multiply_add_each_alone)
+    products = (multiply_add, multiply_add_both) if width > 1 else (_multiply_add_alone, _multiply_add_both_alone)
     return *products, cholesky, solve

@@ -5,7 +5,7 @@
 
 Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step
 solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u + p_0|), the right side taken at the
-step's first guess, and keeps the factor of the tangent as long as the residual falls fast. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
+step's first guess, and keeps the factor of the tangent as long as the residual falls fast enough. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
 forces the operator is factorised once and each step is one solve. Of a non-symmetric tangent the band keeps the lower triangle: beside the mass of a time step the rest
 is small, and what the iteration must reach is the residual.
 """
@@ -20,11 +20,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from vibrom.lanes import WIDTH
 from vibrom.solvers import banded, sparse
 from vibrom.solvers.newmark_loop import newmark_loop
 from vibrom.term import Term
 
+
+# How many states are left, and how many of them then go side by side: two registers hide each other's waiting; one state alone has its
+# elements in the lanes, and a few states cost less one by one than in a batch filled up with copies.
+WIDTHS = ((9, 16), (3, 8), (1, 1))
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Newmark:
     alpha: float = 0.0
     tolerance: float = 1e-6
     max_iterations: int = 25
-    refresh: float = 0.1  # factorise the tangent anew when one iteration leaves more than this part of the residual
+    patience: float = 3.0  # factorise the tangent anew when so many more iterations, each as good as the last, would not do
     widest_band: int = 250  # beyond it a sparse factorisation costs less
 
     def run(self, term: Term, displacement: np.ndarray, step: np.ndarray, steps: int, *, velocity: np.ndarray | None = None,
@@ -49,8 +52,7 @@ class Newmark:
         integrate = sparse.run if half > self.widest_band else _run_banded
         first = 0
         while first < states:
-            # One or two states left over cost less one by one than a batch filled up with copies.
-            width = WIDTH if states - first > 2 and integrate is not sparse.run else 1
+            width = 1 if integrate is sparse.run else next(width for least, width in WIDTHS if states - first >= least)
             chosen = np.minimum(np.arange(first, first + width), states - 1)  # the last state fills the batch
             q, v = (np.ascontiguousarray(array[:, chosen], dtype=float) for array in
                     (displacement, np.zeros_like(displacement) if velocity is None else velocity))
@@ -100,13 +102,14 @@ class Motion:
 
 def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initial: str, record: Record, out: Motion, where: slice, progress) -> None:
     n, width = q.shape
-    multiply_add, multiply_add_each, cholesky, solve = banded.kernels(width)
+    multiply_add, multiply_add_both, cholesky, solve = banded.kernels(width)
     kernels = [force.kernels(width) for force in term.forces]
     loop = newmark_loop(width, len(kernels))
     started = time.perf_counter()
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
     empty = np.zeros((0, 0))
     mass, damping, stiffness = (empty if part is None else banded.to_band(part, half) for part in (term.mass, term.damping, term.stiffness))
+    rate = _mass_rate(mass, damping)
     base = mass[:, :, None] + np.zeros(width)
     if damping.size:
         base = base + gamma * h * damping[:, :, None]
@@ -127,14 +130,14 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         cholesky(factor)
         solve(factor, a)
     factor = np.array(base)
-    products = [banded.product_form(band, width) for band in (mass, damping, stiffness, base)]
+    products = [banded.product_form(band, width) for band in (mass, empty if rate else damping, stiffness)]
     if not kernels:
         cholesky(factor)
     state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
     dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
     slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
-    numbers = np.array([gamma, beta, settings.tolerance, settings.refresh])
+    numbers = np.array([gamma, beta, settings.tolerance, settings.patience, rate])
     live = where.stop - where.start
     steps, chunk = len(signal) - 1, 2000
     stores = [np.zeros((chunk // record.every + 2, n, width)) for _ in range(3)]
@@ -144,7 +147,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
             stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, *products, base, factor,
-                          multiply_add, multiply_add_each, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
+                          multiply_add, multiply_add_both, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
                           failed, counts, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
         for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):
@@ -164,3 +167,9 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     out.seconds += time.perf_counter() - started
     out.iterations += int(counts[0])
     out.factorisations += int(counts[1])
+
+
+def _mass_rate(mass: np.ndarray, damping: np.ndarray) -> float:
+    """c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v). Otherwise zero."""
+    rate = damping[0, 0] / mass[0, 0] if damping.size else 0.0
+    return float(rate) if damping.size and np.allclose(damping, rate * mass, rtol=1e-13, atol=0.0) else 0.0

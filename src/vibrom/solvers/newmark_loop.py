@@ -17,7 +17,7 @@ from vibrom.term import FORCE, TANGENT
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
 _i1, _i2 = types.int64[::1], types.int64[:, ::1]
 _MULTIPLY = types.FunctionType(types.void(_f2, _f2, _f2))
-_EACH = types.FunctionType(types.void(_f3, _f2, _f2))
+_BOTH = types.FunctionType(types.void(_f2, _f2, _f2, _f2, _f2))
 _CHOLESKY = types.FunctionType(types.void(_f3))
 _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
@@ -30,20 +30,20 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _f3, _MULTIPLY, _EACH, _CHOLESKY, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _BOTH, _CHOLESKY, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, operator, base, factor, multiply_add, multiply_add_each, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_both, cholesky, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
         `failed` holds the step at which each state stopped converging (-1: none); `counts` iterations, factorisations, whether a factor exists.
         """
-        gamma, beta, tolerance, refresh = numbers[0], numbers[1], numbers[2], numbers[3]
+        gamma, beta, tolerance, patience, rate = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
-        r, f, inertial, linear = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        r, f, inertial, linear, bent = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
         norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         hs = load(h.reshape(1, width), 0, width)
@@ -69,14 +69,29 @@ def newmark_loop(width: int, forces: int):
                     # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
                     if iteration == 0:
                         inertial[:], linear[:] = 0.0, 0.0
-                        if nonlinear:  # without forces the guess is zero
+                        if rate != 0.0:  # damping proportional to the mass
+                            for i in range(n):
+                                store(r, i, load(a, i, width) + rate * load(v, i, width))
+                            multiply_add(mass, r, inertial)
+                        elif nonlinear:  # otherwise the guess is zero
                             multiply_add(mass, a, inertial)
                         if damping.size > 0:
                             multiply_add(damping, v, inertial)
                         if stiffness.size > 0:
                             multiply_add(stiffness, q, linear)
                     else:
-                        multiply_add_each(operator, r, linear)
+                        for i in range(n):
+                            change = load(r, i, width)
+                            store(r, i, (1.0 + rate * by_v) * change)
+                            store(bent, i, by_q * change)
+                            if damping.size > 0:
+                                store(inertial, i, by_v * change)
+                        if damping.size > 0:
+                            multiply_add(damping, inertial, linear)
+                        if stiffness.size > 0:
+                            multiply_add_both(mass, stiffness, r, bent, linear)
+                        else:
+                            multiply_add(mass, r, linear)
                     f[:] = 0.0
                     if nonlinear:
                         for k in range(forces):
@@ -104,7 +119,7 @@ def newmark_loop(width: int, forces: int):
                                 continue
                             if not norm[0, w] <= tolerance * scale[0, w]:
                                 done = False
-                                if iteration > 0 and not norm[0, w] <= refresh * previous[w]:
+                                if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
                                     slow = True
                             previous[w] = norm[0, w]
                         # The guess alone is an explicit step: at least one solve makes it implicit.

@@ -131,7 +131,8 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
             converged = norm <= settings.tolerance * scale
             if (converged and iteration > 0) or iteration == settings.max_iterations or not np.isfinite(norm):
                 break
-            if factor is None or (iteration > 0 and norm > settings.refresh * previous and term.forces):
+            slow = iteration > 0 and norm * (norm / previous) ** settings.patience > settings.tolerance * scale
+            if factor is None or (slow and term.forces):
                 factor = tangent.factor(q, v)
                 out.factorisations += 1
             previous, change = norm, factor.solve(r)
