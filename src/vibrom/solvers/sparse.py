@@ -6,6 +6,8 @@ is installed, SciPy's SuperLU otherwise. Static solves assemble their tangent by
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, triu
 from scipy.sparse.linalg import splu
@@ -87,6 +89,7 @@ class Tangent:
 
 def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, out, where: slice, progress) -> None:
     """The counterpart of the banded run for one state: q, v (n, 1), h (1,) [s], signal (steps + 1, 1)."""
+    started = time.perf_counter()
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
     scale_q, scale_v = beta * h**2, gamma * h
     tangent = Tangent(term, 1.0, float(scale_v[0]), float(scale_q[0]))
@@ -140,7 +143,8 @@ def run(settings, term: Term, half: int, q, v, h, signal, initial: str, record, 
             a, v, q = a + change, v + scale_v * change, q + scale_q * change
         if not converged:
             out.failed_at[index] = step
-            return
+            break
         keep(step)
         if progress is not None:
             progress(1)
+    out.seconds += time.perf_counter() - started

@@ -1,0 +1,89 @@
+"""Growth: 240 to 60 000 degrees of freedom.
+
+Longer bodies have the same band, finer ones a wider band; both elements. Each body swings freely in its first mode at amplitudes that bend it, 1000 steps to its period, one state; the
+same step time counts the share of new factors that this motion needs. A body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's SuperLU or,
+where it is installed, by PARDISO; bodies on both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest body, is told. The exponent is that
+of a power law fitted to the bodies above 1000 degrees of freedom.
+"""
+
+import json
+import resource
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+
+from benchmarks.cantilever import NEWMARK, STEPS_PER_PERIOD, build
+from benchmarks.table import Row
+from vibrom.modes import eigenmodes
+from vibrom.solvers.newmark import Record
+from vibrom.solvers.sparse import PyPardisoSolver
+
+WIDEST = NEWMARK.widest_band
+# family -> element, and (cells, length [m], widest band) of its bodies
+FAMILIES = {
+    "longer, bilinear": ("bilinear", [((40 * k, 2), 1.0 * k, WIDEST) for k in (1, 4, 16, 64, 250)]),
+    "longer, quadratic": ("quadratic", [((40 * k, 2), 1.0 * k, WIDEST) for k in (1, 4, 16, 64)]),
+    "finer, bilinear": ("bilinear", [((40 * k, 2 * k), 1.0, WIDEST) for k in (1, 2, 4, 8, 13)]),
+    "finer, quadratic": ("quadratic", [((20 * k, k), 1.0, WIDEST) for k in (1, 2, 4, 8, 18)]),
+    "a square plate, in the band": ("bilinear", [((k, k), "square", 10**6) for k in (20, 40, 80, 120)]),
+    "a square plate, sparse": ("bilinear", [((k, k), "square", 0) for k in (20, 40, 80, 120, 170)]),
+}
+
+
+def one(element: str, cells: tuple[int, int], length: float | str, widest: int) -> dict:
+    model = build(("modal_load",), element=element, cells=tuple(cells), length=0.02 if length == "square" else length)
+    _, (shape,) = eigenmodes(model.term, 1)
+    size = 0.02 if length == "square" else length
+    start = (0.02 * size / np.abs(shape).max() * shape)[:, None]
+    newmark, step = replace(NEWMARK, widest_band=widest), np.array([2 * np.pi / model.frequency / STEPS_PER_PERIOD])
+
+    def run(steps: int):
+        return newmark.run(model.term, start, step, steps, initial_acceleration="zero", record=Record(start=steps + 1))
+
+    steps = 5
+    motion = run(steps)  # compiles, and warms up
+    while (motion := run(steps)).seconds < 0.5:
+        steps = int(steps * min(10.0, 0.8 / motion.seconds)) + 1
+    assert motion.outcomes == ["ok"]
+    return {"dofs": model.space.size, "seconds": motion.seconds / steps, "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+            "factors": motion.factorisations / steps}
+
+
+def measure(note) -> Iterator[Row]:
+    note(f"sparse factors by {'PARDISO' if PyPardisoSolver else 'SuperLU'}")
+    for family, (element, bodies) in FAMILIES.items():
+        found = []
+        for cells, length, widest in bodies:
+            run = subprocess.run([sys.executable, "-m", "benchmarks.growth", json.dumps([element, cells, length, widest])], stdout=subprocess.PIPE,
+                                 check=True, text=True)
+            found.append(json.loads(run.stdout))
+            yield Row("growth", f"time per step, {family}, {found[-1]['dofs']} dofs", 1e3 * found[-1]["seconds"], "ms")
+            yield Row("growth", f"memory beyond the smallest, {family}, {found[-1]['dofs']} dofs", found[-1]["memory"] - found[0]["memory"], "MB")
+        large = [body for body in found if body["dofs"] > 1000]
+        for name in ("seconds", "memory"):
+            values = [body[name] - (found[0]["memory"] if name == "memory" else 0.0) for body in large]
+            power = np.polyfit(np.log([body["dofs"] for body in large]), np.log(np.maximum(values, 1e-9)), 1)[0]
+            yield Row("growth", f"exponent of {'time per step' if name == 'seconds' else 'memory'}, {family}", power, "1")
+
+
+def figures(rows: pd.DataFrame) -> dict:
+    figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.8))
+    for axis, quantity, label in zip(axes, ("time per step", "memory beyond the smallest"), ("time per step [ms]", "memory [MB]")):
+        some = rows[rows["quantity"].str.startswith(quantity + ",")]
+        parts = some["quantity"].str.extract(r", (.*), (\d+) dofs")
+        for number, (family, group) in enumerate(some.groupby(parts[0], sort=False)):
+            dofs = parts.loc[group.index, 1].astype(int)
+            keep = group["value"] > 0
+            axis.loglog(dofs[keep], group["value"][keep], marker="os^Dv<"[number], markersize=3.5, label=family)
+        axis.set(xlabel="degrees of freedom", ylabel=label)
+    axes[0].legend()
+    return {"growth": figure}
+
+
+if __name__ == "__main__":
+    print(json.dumps(one(*json.loads(sys.argv[1]))))
