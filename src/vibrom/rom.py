@@ -14,13 +14,16 @@ import importlib
 from abc import ABC, abstractmethod
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Iterator
+from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 import xarray as xr
 from scipy.sparse import csr_matrix
 
 from vibrom.data import DataError
+
+if TYPE_CHECKING:
+    from vibrom.solvers.lanes import Field
 
 
 def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:
@@ -45,6 +48,16 @@ class Rom(ABC):
 
     @abstractmethod
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray: ...
+
+    def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """The displacement (*batch, n) that `decode` gives, or (*batch, k) at `dofs`; a model may know a shorter way than to decode everything."""
+        x = self.decode(z)
+        q = x[..., : x.shape[-1] // 2]
+        return q if dofs is None else q[..., dofs]
+
+    def field(self, p: np.ndarray | None) -> Field | None:
+        """`drift` and, under a load p, `force_map` as compiled code, which makes rollouts some hundred times quicker; None: numpy will do."""
+        return None
 
     def to_dataset(self) -> xr.Dataset:
         variables, attributes = {}, {"rom": f"{type(self).__module__}:{type(self).__qualname__}"}

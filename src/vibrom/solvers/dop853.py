@@ -87,7 +87,8 @@ def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float
             outside = np.isnan(left_at[done]) & (size > reach).any(axis=1)
             left_at[done[outside]] = t[done[outside]]
             blown = done[~(size <= limit).all(axis=1)]
-            stuck = run[h[run] < 10 * np.spacing(np.maximum(t[run], np.finfo(float).tiny))]
+            # A last step may be as short as it likes.
+            stuck = run[(t[run] < end[run]) & (h[run] < 10 * np.spacing(np.maximum(t[run], np.finfo(float).tiny)))]
             outcome[stuck], outcome[blown] = "step_underflow", "diverged"
             active[blown] = active[stuck] = False
             active &= t < end
