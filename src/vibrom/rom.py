@@ -4,7 +4,8 @@
 
 x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, r) are the reduced coordinates, of any
 dimension; the load is p u(t), with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of
-these four and nothing else, so that every model answers the same questions in the same way.
+these four and nothing else, so that every model answers the same questions in the same way. A model may say the same a quicker way: `displacement` is a part of
+`decode`, and `field` is `drift` and `force_map` in compiled code.
 """
 
 from __future__ import annotations
@@ -56,7 +57,9 @@ class Rom(ABC):
         return q if dofs is None else q[..., dofs]
 
     def field(self, p: np.ndarray | None) -> Field | None:
-        """`drift` and, under a load p, `force_map` as compiled code, which makes rollouts some hundred times quicker; None: numpy will do."""
+        """`drift` and, under a load p, `force_map` in compiled code, for rollouts some hundred times quicker; None: numpy will do.
+
+        A class that inherits a `field` and changes what it compiles changes it too, or answers None."""
         return None
 
     def to_dataset(self) -> xr.Dataset:

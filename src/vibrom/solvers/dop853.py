@@ -3,6 +3,8 @@
 The coefficients are SciPy's (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5). Each state keeps its own time, step and error
 control, and may end before the others: when it grows beyond `limit` or stops being finite (`diverged`), or when its step no longer changes
 its time (`step_underflow`). Between steps the seventh-order interpolant serves any instant.
+
+This form takes any numpy function; `dop853_loop` does the same for compiled ones.
 """
 
 from __future__ import annotations
