@@ -46,24 +46,22 @@ class Rollout:
 
 def rollout(rom: Rom, start: np.ndarray, times: np.ndarray, integrator: Integrator, drive: Drive | None = None) -> Rollout:
     """z from `start` (b, r) at t = 0, sampled at `times` (b, m) [s]; the model's first frequency sets the first step."""
-    # Half of what a job without a rollout would spend on imports.
-    from vibrom.solvers.dop853 import integrate
-
-    began = time.perf_counter()
-    limit = LIMIT * rom.reach
+    field = rom.field(None if drive is None else drive.load)
     # Reaches of z and of dz/dt differ by the frequency of the motion: their ratio is a time scale.
     tempo = float(np.min(rom.reach[: len(rom.reach) // 2] / rom.reach[len(rom.reach) // 2:]))
+    settings = dict(rtol=integrator.rtol, atol=integrator.atol * rom.reach, first_step=FIRST_STEP * tempo, reach=MARGIN * rom.reach, limit=LIMIT * rom.reach,
+                    max_steps=int(times.max() / (FIRST_STEP * tempo)) + 1000)
+    # Imported here: half of what a job without a rollout would spend on imports.
+    if field is None:
+        from vibrom.solvers.dop853 import integrate
 
-    def free(t, z, run):
-        return rom.drift(z)
+        began = time.perf_counter()
+        solution = integrate(_numpy_field(rom, drive), start, times, **settings)
+    else:
+        from vibrom.solvers.dop853_loop import integrate
 
-    def driven(t, z, run):
-        signal = drive.amplitude[run] * np.sin(drive.frequency[run] * t)
-        return rom.drift(z) + rom.force_map(z, drive.load) * signal[:, None]
-
-    solution = integrate(free if drive is None else driven, start, times, rtol=integrator.rtol, atol=integrator.atol * rom.reach,
-                         first_step=FIRST_STEP * tempo, reach=MARGIN * rom.reach, limit=limit,
-                         max_steps=int(times.max() / (FIRST_STEP * tempo)) + 1000)
+        began = time.perf_counter()
+        solution = integrate(field, start, times, **settings, **({} if drive is None else {"amplitude": drive.amplitude, "frequency": drive.frequency}))
     outcome, failed_at = list(solution.outcome), np.where(solution.outcome == "ok", np.nan, solution.ended_at)
     for index, word in enumerate(outcome):
         if word == "ok" and not np.isnan(solution.left_at[index]):
@@ -71,11 +69,18 @@ def rollout(rom: Rom, start: np.ndarray, times: np.ndarray, integrator: Integrat
     return Rollout(solution.samples, outcome, failed_at, (solution.peak / rom.reach).max(axis=1), time.perf_counter() - began)
 
 
+def _numpy_field(rom: Rom, drive: Drive | None):
+    """dz/dt of the runs that are still going, from the four functions alone."""
+    def free(t, z, run):
+        return rom.drift(z)
+
+    def driven(t, z, run):
+        signal = drive.amplitude[run] * np.sin(drive.frequency[run] * t)
+        return rom.drift(z) + rom.force_map(z, drive.load) * signal[:, None]
+
+    return free if drive is None else driven
+
+
 def decode_displacement(rom: Rom, reduced: np.ndarray, dofs: np.ndarray | None = None, chunk: int = 4096) -> np.ndarray:
     """Displacement (m, n), or (m, k) at `dofs`, of reduced states (m, r), a chunk at a time to bound the memory."""
-    parts = []
-    for first in range(0, len(reduced), chunk):
-        x = rom.decode(reduced[first:first + chunk])
-        q = x[..., : x.shape[-1] // 2]
-        parts.append(q if dofs is None else q[..., dofs])
-    return np.concatenate(parts)
+    return np.concatenate([rom.displacement(reduced[first:first + chunk], dofs) for first in range(0, len(reduced), chunk)])

@@ -4,7 +4,8 @@
 
 x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, r) are the reduced coordinates, of any
 dimension; the load is p u(t), with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of
-these four and nothing else, so that every model answers the same questions in the same way.
+these four and nothing else, so that every model answers the same questions in the same way. A model may say the same a quicker way: `displacement` is a part of
+`decode`, and `field` is `drift` and `force_map` in compiled code.
 """
 
 from __future__ import annotations
@@ -14,13 +15,16 @@ import importlib
 from abc import ABC, abstractmethod
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Iterator
+from typing import TYPE_CHECKING, Any, Iterator
 
 import numpy as np
 import xarray as xr
 from scipy.sparse import csr_matrix
 
 from vibrom.data import DataError
+
+if TYPE_CHECKING:
+    from vibrom.solvers.lanes import Field
 
 
 def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:
@@ -45,6 +49,18 @@ class Rom(ABC):
 
     @abstractmethod
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray: ...
+
+    def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """The displacement (*batch, n) that `decode` gives, or (*batch, k) at `dofs`; a model may know a shorter way than to decode everything."""
+        x = self.decode(z)
+        q = x[..., : x.shape[-1] // 2]
+        return q if dofs is None else q[..., dofs]
+
+    def field(self, p: np.ndarray | None) -> Field | None:
+        """`drift` and, under a load p, `force_map` in compiled code, for rollouts some hundred times quicker; None: numpy will do.
+
+        A class that inherits a `field` and changes what it compiles changes it too, or answers None."""
+        return None
 
     def to_dataset(self) -> xr.Dataset:
         variables, attributes = {}, {"rom": f"{type(self).__module__}:{type(self).__qualname__}"}

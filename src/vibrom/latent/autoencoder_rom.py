@@ -8,8 +8,11 @@ z is dimensionless, z' in 1/s. The force enters by `force_rule`: `decoder` as ab
 the load; `encoder` with w'(q) M^-1 p at q = v(z).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import csc_matrix
@@ -17,6 +20,9 @@ from scipy.sparse.linalg import splu
 
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.rom import MethodError, Rom, array_field
+
+if TYPE_CHECKING:
+    from vibrom.solvers.lanes import Field
 
 RULES = ("decoder", "decoder_mass", "encoder")
 
@@ -131,6 +137,12 @@ class AutoencoderRom(Rom):
         motion = network(self._layers[1], self.decoder_linear, self.activation, np.stack(np.split(z, 2, axis=-1)))
         return np.concatenate([(item if self.basis is None else item @ self.basis.T) * float(self.scale) for item in motion], axis=-1)
 
+    def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        q = network(self._layers[1], self.decoder_linear, self.activation, z[None, ..., : self.latent])[0] * float(self.scale)
+        if self.basis is None:
+            return q if dofs is None else q[..., dofs]
+        return q @ (self.basis if dofs is None else self.basis[dofs]).T
+
     def drift(self, z: np.ndarray) -> np.ndarray:
         d, rate = self.latent, float(self.rate)
         y = np.array(z, float)
@@ -172,3 +184,19 @@ class AutoencoderRom(Rom):
                 gram = np.einsum("i...k,j...k->...ij", weighted, tangents)
                 value = np.linalg.solve(gram, np.moveaxis(tangents @ load, 0, -1)[..., None])[..., 0]
         return np.concatenate([np.zeros_like(value), value], axis=-1)
+
+    def field(self, p: np.ndarray | None) -> Field:
+        from vibrom.latent.decoder_kernel import force_kernel
+        from vibrom.latent.polynomial_kernel import polynomial_kernel
+        from vibrom.solvers.lanes import Field
+
+        d, rate, powers, coefficients = self.latent, float(self.rate), self._powers, self.coefficients
+        if len(coefficients) == d:  # z' = z' is a row of its own
+            kinematic = (powers == np.eye(2 * d, dtype=int)[d:, None]).all(axis=2)
+            coefficients = np.concatenate([kinematic, coefficients])
+        scale = np.repeat([1.0, rate], d)
+        drift = polynomial_kernel(scale, powers, coefficients * (rate * scale)[:, None])
+        if p is None:
+            return Field(drift)
+        load, mass = self._load(p), self._reduced_mass if self.force_rule == "decoder_mass" else None
+        return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass))

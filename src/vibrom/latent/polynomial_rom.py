@@ -9,11 +9,15 @@ phi' for modal coordinates. s scales the monomials to order one, which keeps hig
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibrom.latent.polynomial import least_squares, monomials
 from vibrom.rom import MethodError, Rom, Structure, array_field
+
+if TYPE_CHECKING:
+    from vibrom.solvers.lanes import Field
 
 
 @dataclass(frozen=True)
@@ -33,14 +37,28 @@ class PolynomialRom(Rom):
     def decode(self, z: np.ndarray) -> np.ndarray:
         return monomials(z / self.scale, self.decoder_powers) @ self.decoder.T
 
+    def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        half = self.decoder[: len(self.decoder) // 2]
+        return monomials(z / self.scale, self.decoder_powers) @ (half if dofs is None else half[dofs]).T
+
     def drift(self, z: np.ndarray) -> np.ndarray:
         return monomials(z / self.scale, self.dynamics_powers) @ self.dynamics.T
 
-    def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+    def _push(self, p: np.ndarray) -> np.ndarray:
         if self.force is None:
             raise MethodError("this model was fitted without operators and knows no force map; fit it on a scene with mass and modes")
         modal = self.force @ p
-        return np.broadcast_to(np.concatenate([np.zeros_like(modal), modal]), z.shape)
+        return np.concatenate([np.zeros_like(modal), modal])
+
+    def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(self._push(p), z.shape)
+
+    def field(self, p: np.ndarray | None) -> Field:
+        from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
+        from vibrom.solvers.lanes import Field
+
+        drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics)
+        return Field(drift, None if p is None else constant_kernel(self._push(p)))
 
 
 def fit_remainder(z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

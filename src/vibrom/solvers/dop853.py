@@ -3,6 +3,8 @@
 The coefficients are SciPy's (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.5). Each state keeps its own time, step and error
 control, and may end before the others: when it grows beyond `limit` or stops being finite (`diverged`), or when its step no longer changes
 its time (`step_underflow`). Between steps the seventh-order interpolant serves any instant.
+
+This form takes any numpy function; `dop853_loop` does the same for compiled ones.
 """
 
 from __future__ import annotations
@@ -87,7 +89,8 @@ def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float
             outside = np.isnan(left_at[done]) & (size > reach).any(axis=1)
             left_at[done[outside]] = t[done[outside]]
             blown = done[~(size <= limit).all(axis=1)]
-            stuck = run[h[run] < 10 * np.spacing(np.maximum(t[run], np.finfo(float).tiny))]
+            # A last step may be as short as it likes.
+            stuck = run[(t[run] < end[run]) & (h[run] < 10 * np.spacing(np.maximum(t[run], np.finfo(float).tiny)))]
             outcome[stuck], outcome[blown] = "step_underflow", "diverged"
             active[blown] = active[stuck] = False
             active &= t < end

@@ -1,0 +1,72 @@
+"""Compiled polynomials of eight states side by side:  dz/dt = R Phi(z / s), and the constant force that goes with linear encoders.
+
+Every monomial is one multiplication, of an earlier monomial by a variable; monomials that the list lacks are put in between. Zero coefficients cost nothing.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from vibrom.solvers.lanes import Kernel, kernel, load, spread, store
+
+
+@kernel
+def _polynomial(z, numbers, index, work, out):
+    # numbers: 1/s (r), then the coefficients row by row; index: number of products, their (factor, variable), then for each row a count and its monomials.
+    r, products = len(z), index[0]
+    store(work, 0, 1.0)
+    for i in range(r):
+        store(work, 1 + i, load(z, i) * numbers[i])
+    for k in range(products):
+        store(work, 1 + r + k, load(work, index[1 + 2 * k]) * load(work, 1 + index[2 + 2 * k]))
+    at, coefficient = 1 + 2 * products, r
+    for i in range(r):
+        count = index[at]
+        total = spread(0.0)
+        for k in range(count):
+            total = total + load(work, index[at + 1 + k]) * numbers[coefficient + k]
+        store(out, i, total)
+        at += 1 + count
+        coefficient += count
+
+
+@kernel
+def _constant(z, numbers, index, work, out):
+    for i in range(len(z)):
+        store(out, i, numbers[i])
+
+
+@lru_cache(maxsize=64)
+def _products(dimension: int, powers: tuple[tuple[int, ...], ...]) -> tuple[list[tuple[int, int]], list[int], int]:
+    """(factor, variable) of each product, where each wanted monomial is kept, and how many are kept: 1, the variables, then the products."""
+    kept = {(0,) * dimension: 0} | {tuple(int(axis == variable) for axis in range(dimension)): 1 + variable for variable in range(dimension)}
+    products: list[tuple[int, int]] = []
+
+    def place(power: tuple[int, ...]) -> int:
+        if power not in kept:
+            # Halving the degree instead would be shallower; a factor that the list holds anyway costs nothing.
+            parents = [(tuple(e - (axis == variable) for axis, e in enumerate(power)), variable) for variable in range(dimension) if power[variable]]
+            parent, variable = next(((known, variable) for known, variable in parents if known in kept), parents[0])
+            products.append((place(parent), variable))
+            kept[power] = len(kept)
+        return kept[power]
+
+    places = [place(power) for power in sorted(powers, key=sum)]
+    order = {power: place for power, place in zip(sorted(powers, key=sum), places)}
+    return products, [order[power] for power in powers], len(kept)
+
+
+def polynomial_kernel(scale: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> Kernel:
+    """sum_k R_k prod_i (z_i / s_i)^e_ki  with s (r,), exponents (l, r) and R (r, l)."""
+    products, places, rows = _products(len(scale), tuple(map(tuple, powers.tolist())))
+    numbers, index = [1.0 / np.asarray(scale, float)], [len(products), *(number for pair in products for number in pair)]
+    for row in np.asarray(coefficients, float):
+        (used,) = np.nonzero(row)
+        numbers.append(row[used])
+        index += [len(used), *(places[k] for k in used)]
+    return Kernel(_polynomial, np.concatenate(numbers), np.array(index, dtype=np.int64), rows)
+
+
+def constant_kernel(value: np.ndarray) -> Kernel:
+    """The same (r,) for every state."""
+    return Kernel(_constant, np.array(value, dtype=float), np.zeros(1, np.int64), 0)

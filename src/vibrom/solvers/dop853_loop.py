@@ -1,0 +1,197 @@
+"""The compiled form of `dop853`: eight runs side by side, no Python between the first step and the last.
+
+    dy/dt = drift(y) + force(y) a sin(w t)
+
+Each lane carries one run with its own time, step and error control. When a run ends, by reaching its end or by an event, its lane takes the next of the queue,
+so no lane waits for another. The samples are those of the seventh-order interpolant, written as the steps go by.
+"""
+
+import warnings
+
+import numpy as np
+from numba import njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
+from vibrom.solvers.dop853 import A_EXTRA, B, C_EXTRA, D, E3, E5, FASTEST, SAFETY, SLOWEST, STAGES, A, C, Solution
+from vibrom.solvers.lanes import KERNEL, WIDTH, Field, load, sqrt, store
+
+OUTCOMES = np.array(["ok", "diverged", "step_underflow"], dtype=object)
+_OK, _DIVERGED, _UNDERFLOW = range(3)
+_ALL = STAGES + 4  # with the slope at the end of the step and the three stages of the interpolant
+_TINY = np.finfo(float).tiny
+# Row s: the weights of the slopes before it that lead to stage s; the extra stages follow the slope at the end.
+_WEIGHTS = np.zeros((_ALL, _ALL))
+_WEIGHTS[:STAGES, :STAGES], _WEIGHTS[STAGES, :STAGES], _WEIGHTS[STAGES + 1:, :_ALL] = A[:STAGES, :STAGES], B, A_EXTRA
+_NODES = np.concatenate([C[:STAGES], [1.0], C_EXTRA])
+
+_f1, _f2, _f3, _i1 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1], types.int64[::1]
+_TABLES = types.Tuple((_f1, _i1))
+_SIGNATURE = types.int64(
+    types.FunctionType(KERNEL), _TABLES, types.FunctionType(KERNEL), _TABLES, types.boolean, _f1, _f1, _f1,
+    _f2, _f2, types.float64, _f1, types.float64, _f1, _f1, types.int64, _f3, _i1, _f1, _f2, _f2, _f1)
+
+
+@njit
+def _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, y, push, out):
+    drift(y, drift_tables[0], drift_tables[1], work, out)
+    if driven:
+        force(y, force_tables[0], force_tables[1], work, push)
+        for w in range(WIDTH):
+            t[w] = amplitude[w] * np.sin(frequency[w] * t[w])
+        signal = load(t, 0)
+        for i in range(len(y)):
+            store(out, i, load(out, i) + load(push, i) * signal)
+
+
+@njit
+def _weighed(weights, count, slopes, i):
+    """sum_j weights_j slopes_j of coordinate i."""
+    r, total = slopes.shape[1], load(slopes, i) * weights[0]
+    for j in range(1, count):
+        if weights[j] != 0.0:  # a third of them
+            total = total + load(slopes, j * r + i) * weights[j]
+    return total
+
+
+def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequencies, work, start, times, rtol, atol, first_step, reach, limit, max_steps,
+          samples, outcome, ended_at, last, peak, left_at):
+    """Integrates all runs and fills the last six arrays; returns the number of accepted steps."""
+    runs, r = start.shape
+    m = times.shape[1]
+    run, tried, wanted, rejected, fresh = np.full(WIDTH, -1), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.bool_), np.zeros(WIDTH, np.bool_)
+    good, t, h, hk, instant = np.zeros(WIDTH, np.bool_), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
+    amplitude, frequency, error = np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
+    y, new, stage, push = np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH))
+    slopes, dense = np.zeros((_ALL, r, WIDTH)), np.zeros((7, r, WIDTH))
+    queue, going, accepted = 0, 0, 0
+    while True:
+        started = False
+        for w in range(WIDTH):
+            fresh[w] = run[w] < 0 and queue < runs
+            if fresh[w]:
+                started = True
+                going += 1
+                k = queue
+                queue += 1
+                run[w], t[w], h[w], tried[w], wanted[w], rejected[w] = k, 0.0, first_step, 0, 0, False
+                amplitude[w], frequency[w] = amplitudes[k], frequencies[k]
+                for i in range(r):
+                    y[i, w] = last[k, i] = start[k, i]
+                    peak[k, i] = abs(start[k, i])
+                while wanted[w] < m and times[k, wanted[w]] <= 0.0:
+                    samples[k, wanted[w]] = start[k]
+                    wanted[w] += 1
+        if going == 0:
+            return accepted
+        if started:
+            instant[:] = t
+            _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, y, push, slopes[1])
+            for i in range(r):
+                for w in range(WIDTH):
+                    if fresh[w]:
+                        slopes[0, i, w] = slopes[1, i, w]
+        for w in range(WIDTH):
+            hk[w] = min(h[w], times[run[w], m - 1] - t[w]) if run[w] >= 0 else 0.0  # an empty lane stands still
+        step = load(hk, 0)
+        for s in range(1, STAGES + 1):
+            target = new if s == STAGES else stage
+            for i in range(r):
+                store(target, i, load(y, i) + step * _weighed(_WEIGHTS[s], s, slopes, i))
+            for w in range(WIDTH):
+                instant[w] = t[w] + _NODES[s] * hk[w]
+            _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, target, push, slopes[s])
+        fifth, third = step * 0.0, step * 0.0
+        for i in range(r):
+            for w in range(WIDTH):
+                instant[w] = atol[i] + rtol * max(abs(y[i, w]), abs(new[i, w]))
+            scale = load(instant, 0)
+            e5, e3 = _weighed(E5, STAGES + 1, slopes, i) / scale, _weighed(E3, STAGES + 1, slopes, i) / scale
+            fifth, third = fifth + e5 * e5, third + e3 * e3
+        store(error, 0, step * fifth / sqrt((fifth + third * 0.01 + _TINY) * r))
+        sampling = False
+        for w in range(WIDTH):
+            good[w] = run[w] >= 0 and error[w] < 1.0  # False for NaN too
+            if good[w] and wanted[w] < m and times[run[w], wanted[w]] <= t[w] + hk[w]:
+                sampling = True
+        if sampling:
+            for s in range(STAGES + 1, _ALL):
+                for i in range(r):
+                    store(stage, i, load(y, i) + step * _weighed(_WEIGHTS[s], s, slopes, i))
+                for w in range(WIDTH):
+                    instant[w] = t[w] + _NODES[s] * hk[w]
+                _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, stage, push, slopes[s])
+            for i in range(r):
+                change = load(new, i) - load(y, i)
+                store(dense[0], i, change)
+                store(dense[1], i, step * load(slopes[0], i) - change)
+                store(dense[2], i, 2.0 * change - step * (load(slopes[STAGES], i) + load(slopes[0], i)))
+                for k in range(4):
+                    store(dense[3 + k], i, step * _weighed(D[k], _ALL, slopes, i))
+        for w in range(WIDTH):
+            k = run[w]
+            if k < 0:
+                continue
+            end = times[k, m - 1]
+            tried[w] += 1
+            factor = FASTEST if error[w] == 0.0 else SAFETY / np.sqrt(np.sqrt(np.sqrt(error[w])))
+            factor = min(max(factor, SLOWEST), FASTEST if good[w] and not rejected[w] else 1.0) if factor == factor else SLOWEST
+            rejected[w] = not good[w]
+            h[w] = hk[w] * factor
+            blown = False
+            if good[w]:
+                accepted += 1
+                # Landing on the end exactly, not by a sum that may fall short of it.
+                now = end if hk[w] == end - t[w] else t[w] + hk[w]
+                while wanted[w] < m and times[k, wanted[w]] <= now:
+                    x = (times[k, wanted[w]] - t[w]) / hk[w]
+                    for i in range(r):
+                        value = 0.0
+                        for j in range(7):
+                            value = (value + dense[6 - j, i, w]) * (x if j % 2 == 0 else 1.0 - x)
+                        samples[k, wanted[w], i] = y[i, w] + value
+                    wanted[w] += 1
+                outside = False
+                for i in range(r):
+                    y[i, w] = last[k, i] = new[i, w]
+                    slopes[0, i, w] = slopes[STAGES, i, w]
+                    size = abs(new[i, w])
+                    peak[k, i] = max(peak[k, i], size)
+                    outside = outside or size > reach[i]
+                    blown = blown or not size <= limit[i]
+                if outside and left_at[k] != left_at[k]:
+                    left_at[k] = now
+                t[w] = now
+            over = t[w] >= end
+            stuck = not over and (tried[w] >= max_steps or h[w] < 10 * np.spacing(max(t[w], _TINY)))
+            if blown or stuck or over:
+                outcome[k] = _DIVERGED if blown else _UNDERFLOW if stuck else _OK
+                ended_at[k] = t[w]
+                run[w], going, hk[w], t[w], amplitude[w] = -1, going - 1, 0.0, 0.0, 0.0
+                for i in range(r):
+                    y[i, w] = 0.0
+
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+    _compiled = njit([_SIGNATURE], cache=True, error_model="numpy", fastmath={"contract"})(_loop)
+
+
+def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float, atol: np.ndarray, first_step: float, reach: np.ndarray, limit: np.ndarray,
+              max_steps: int, amplitude: np.ndarray | None = None, frequency: np.ndarray | None = None) -> Solution:
+    """As `dop853.integrate`, for a compiled field: `start` (b, r), `times` (b, m) ascending [s]; a force acts with amplitude (b,) and angular frequency (b,)."""
+    runs, r = start.shape
+    driven = field.force is not None
+    if driven and (amplitude is None or frequency is None):
+        raise ValueError("a field with a force needs the amplitude and the frequency of each run")
+    force = field.force if driven else field.drift
+    still = np.zeros(runs)
+    # Copies: compiled code asks for arrays that may be written to.
+    start, times, atol, reach, limit, amplitude, frequency = (
+        np.array(value, dtype=float, order="C") for value in (start, times, atol, reach, limit, *((amplitude, frequency) if driven else (still, still))))
+    samples, outcome = np.full((*times.shape, r), np.nan), np.zeros(runs, np.int64)
+    ended_at, last, peak, left_at = np.zeros(runs), np.empty((runs, r)), np.empty((runs, r)), np.full(runs, np.nan)
+    work = np.zeros(WIDTH * max(field.drift.rows, force.rows))
+    steps = _compiled(
+        field.drift.function, (field.drift.numbers, field.drift.index), force.function, (force.numbers, force.index), driven, amplitude, frequency, work,
+        start, times, float(rtol), atol, float(first_step), reach, limit, int(max_steps), samples, outcome, ended_at, last, peak, left_at)
+    return Solution(samples, OUTCOMES[outcome], ended_at, last, peak, left_at, int(steps))
