@@ -22,7 +22,8 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        return self.rival_value / self.value if self.better == "lower" else self.value / self.rival_value
+        over, under = (self.rival_value, self.value) if self.better == "lower" else (self.value, self.rival_value)
+        return over / under if under else NAN
 
 
 def paired(calls: dict[str, Callable[[], object]], repeats: int = 5, warm_up: bool = True) -> dict[str, float]:

@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from vibrom.lanes import WIDTH, entry, fill, load, store
+from vibrom.lanes import WIDTH, cut, entry, fill, floor, load, paste, positive, power_of_two, sqrt, store
 
 
 def evaluate(width, function, *rows):
@@ -51,7 +51,7 @@ def test_root_negative_and_growing_sums():
         y -= 0.5
         y *= x
         y /= 4.0
-        return -np.sqrt(y)
+        return 0.0 - sqrt(y)
 
     x = np.linspace(0.0, 3.0, 8)
     np.testing.assert_allclose(evaluate(8, function, x), -np.sqrt((0.5 + x) * x / 4.0), rtol=1e-14)
@@ -60,7 +60,7 @@ def test_root_negative_and_growing_sums():
 def test_a_lane_that_is_not_a_number_spoils_no_other():
     x = np.array([1.0, np.nan, -1.0, np.inf])
     expected = np.sqrt(x, where=x >= 0, out=np.full(4, np.nan))
-    np.testing.assert_array_equal(evaluate(4, njit(lambda x: np.sqrt(x)), x), expected)
+    np.testing.assert_array_equal(evaluate(4, njit(lambda x: sqrt(x)), x), expected)
 
 
 @pytest.mark.parametrize("states", [1, 4])
@@ -76,15 +76,45 @@ def test_entries_are_shared_by_states_and_differ_between_elements(states):
     np.testing.assert_array_equal(out[0], table[1, 3:3 + width] if states == 1 else np.full(states, table[1, 3]))
 
 
-def test_only_contiguous_rows_are_lanes():
+def test_choices_and_powers_of_two():
     @njit
-    def run(x):
+    def choose(x):
+        return positive(x - 1.0, x, -2.0)
+
+    @njit
+    def scale(x):
+        return power_of_two(floor(x))
+
+    x = np.array([0.5, 1.5, np.nan, -3.0])
+    np.testing.assert_array_equal(evaluate(4, choose, x), [-2.0, 1.5, -2.0, -2.0])
+    np.testing.assert_array_equal(evaluate(4, scale, np.array([0.9, -1.2, 1000.0, -1022.0])), [1.0, 0.25, 2.0**1000, 2.0**-1022])
+
+
+def test_lanes_from_any_place():
+    @njit
+    def shift(x):
+        paste(x, 3, cut(x, 1, 4))
+
+    x = np.arange(9.0)
+    shift(x)
+    np.testing.assert_array_equal(x, [0, 1, 2, 1, 2, 3, 4, 7, 8])
+
+
+def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
+    @njit
+    def mixed(x):
         return load(x, 0, 4) + load(x, 1, 8)
 
+    @njit
+    def number(x):
+        store(x, 0, 1.0)
+
     with pytest.raises(TypingError, match="do not go together"):
-        run(np.zeros((2, 8)))
+        mixed(np.zeros((2, 8)))
     with pytest.raises(TypingError, match="contiguous float64"):
-        run(np.zeros((2, 8)).T)
+        mixed(np.zeros((2, 8)).T)
+    with pytest.raises(TypingError, match="fill them"):
+        number(np.zeros((2, 8)))
 
 
 def test_specialisations_of_several_processes_are_told_apart(tmp_path):

@@ -24,7 +24,7 @@ from scipy.sparse import csr_matrix
 from vibrom.data import DataError
 
 if TYPE_CHECKING:
-    from vibrom.solvers.lanes import Field
+    from vibrom.solvers.field import Field
 
 
 def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:

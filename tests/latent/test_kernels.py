@@ -13,7 +13,7 @@ from vibrom.latent.decoder_kernel import ACTIVATIONS, _activate
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.latent.polynomial_kernel import polynomial_kernel
 from vibrom.rom import MethodError
-from vibrom.solvers.lanes import load, store
+from vibrom.lanes import WIDTH, load, store
 
 DOFS = 9
 
@@ -44,7 +44,7 @@ def test_elementary_functions_anywhere():
     @njit
     def both(code, a, value, slope):
         for i in range(len(a)):
-            s, ds = _activate(code, load(a, i))
+            s, ds = _activate(code, load(a, i, WIDTH))
             store(value, i, s)
             store(slope, i, ds)
 

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
 from vibrom.solvers import dop853
 from vibrom.solvers.dop853_loop import integrate
-from vibrom.solvers.lanes import KERNEL, Field, Kernel
+from vibrom.solvers.field import KERNEL, Field, Kernel
 
 OMEGA, DAMPING = 1.3, 0.05
 POWERS = np.array([[1, 0], [0, 1], [3, 0]])

@@ -120,7 +120,7 @@ def _tangent(shapes: int, points: int, states: int):
                     dof = dofs[e, a]
                     store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
             for slot in range(entries):
-                store(ke, slot, -entry(table, 3 + points * stride + slot, e, states))
+                store(ke, slot, 0.0 - entry(table, 3 + points * stride + slot, e, states))
             for k in range(points):
                 at = 3 + k * stride
                 weight = entry(table, at, e, states)
@@ -166,7 +166,7 @@ def _tangent(shapes: int, points: int, states: int):
                         if slot >= 0:
                             values[slot, 0] += scale_q[0] * ke[number, lane]
             else:
-                scale = load(scale_q.reshape(1, width), 0, width)
+                scale = load(scale_q, 0, width)
                 for number in range(entries):
                     slot = slots[e, number]
                     if slot >= 0:

@@ -22,7 +22,7 @@ from vibrom.latent.polynomial import exponents, monomials
 from vibrom.rom import MethodError, Rom, array_field
 
 if TYPE_CHECKING:
-    from vibrom.solvers.lanes import Field
+    from vibrom.solvers.field import Field
 
 RULES = ("decoder", "decoder_mass", "encoder")
 
@@ -188,7 +188,7 @@ class AutoencoderRom(Rom):
     def field(self, p: np.ndarray | None) -> Field:
         from vibrom.latent.decoder_kernel import force_kernel
         from vibrom.latent.polynomial_kernel import polynomial_kernel
-        from vibrom.solvers.lanes import Field
+        from vibrom.solvers.field import Field
 
         d, rate, powers, coefficients = self.latent, float(self.rate), self._powers, self.coefficients
         if len(coefficients) == d:  # z' = z' is a row of its own

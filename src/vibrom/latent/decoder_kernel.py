@@ -11,8 +11,9 @@ from math import factorial
 import numpy as np
 from numba import njit
 
+from vibrom.lanes import WIDTH, fill, floor, load, positive, power_of_two, sqrt, store
 from vibrom.latent.autoencoder_rom import RULES
-from vibrom.solvers.lanes import Kernel, floor, kernel, load, positive, power_of_two, spread, sqrt, store
+from vibrom.solvers.field import Kernel, field_kernel
 
 ACTIVATIONS = ("silu", "elu", "tanh", "softplus")
 _HIGH, _LOW = 0.6931471803691238, 1.9082149292705877e-10  # ln 2 = high + low; n high is exact
@@ -27,7 +28,7 @@ def _exp(a):
     a = positive(a - 708.0, 708.0, positive(-708.0 - a, -708.0, a))  # NaN stays
     n = floor(a * (1.0 / _LOG2) + 0.5)
     rest = (a - n * _HIGH) - n * _LOW
-    total = spread(_SERIES[0])
+    total = fill(_SERIES[0], WIDTH)
     for k in range(1, len(_SERIES)):
         total = total * rest + _SERIES[k]
     return total * power_of_two(n)
@@ -38,7 +39,7 @@ def _log_one_plus(x):
     """ln(1 + x) for 0 <= x <= 1:  2 atanh(s) with s = x/(2 + x) <= 1/3; the first term left out is below 1e-19."""
     s = x / (x + 2.0)
     square = s * s
-    total = spread(_ATANH[0])
+    total = fill(_ATANH[0], WIDTH)
     for k in range(1, len(_ATANH)):
         total = total * square + _ATANH[k]
     return 2.0 * s * total
@@ -69,13 +70,13 @@ def _multiply(numbers, first, rows, columns, work, source, target, apart, onto):
     for j in range(0, rows, 4):
         at, to, too = first + j * columns, target + j, target + apart + j
         if onto:
-            s0, s1, s2, s3 = load(work, to), load(work, to + 1), load(work, to + 2), load(work, to + 3)
-            t0, t1, t2, t3 = load(work, too), load(work, too + 1), load(work, too + 2), load(work, too + 3)
+            s0, s1, s2, s3 = load(work, to, WIDTH), load(work, to + 1, WIDTH), load(work, to + 2, WIDTH), load(work, to + 3, WIDTH)
+            t0, t1, t2, t3 = load(work, too, WIDTH), load(work, too + 1, WIDTH), load(work, too + 2, WIDTH), load(work, too + 3, WIDTH)
         else:
-            s0 = spread(0.0)
+            s0 = fill(0.0, WIDTH)
             s1, s2, s3, t0, t1, t2, t3 = s0, s0, s0, s0, s0, s0, s0
         for i in range(columns):
-            x, y = load(work, source + i), load(work, source + apart + i)
+            x, y = load(work, source + i, WIDTH), load(work, source + apart + i, WIDTH)
             a0, a1, a2, a3 = numbers[at + i], numbers[at + columns + i], numbers[at + 2 * columns + i], numbers[at + 3 * columns + i]
             s0, s1, s2, s3 = s0 + x * a0, s1 + x * a1, s2 + x * a2, s3 + x * a3
             t0, t1, t2, t3 = t0 + y * a0, t1 + y * a1, t2 + y * a2, t3 + y * a3
@@ -102,10 +103,10 @@ def _network(numbers, first, index, layers, activation, channels, work, wide, be
             _multiply(numbers, at, rows, columns, work, source + c * wide, target + c * wide, wide, False)
         if layer < count - 1:
             for j in range(rows):
-                value, slope = _activate(activation, load(work, target + j))
+                value, slope = _activate(activation, load(work, target + j, WIDTH))
                 store(work, target + j, value)
                 for c in range(1, channels):
-                    store(work, target + c * wide + j, slope * load(work, target + c * wide + j))
+                    store(work, target + c * wide + j, slope * load(work, target + c * wide + j, WIDTH))
         at += rows * columns
         source = target
     inputs, rows = index[layers + 1], index[layers + 2 * count]
@@ -113,7 +114,7 @@ def _network(numbers, first, index, layers, activation, channels, work, wide, be
         _multiply(numbers, at, rows, inputs, work, begin + c * wide, end + c * wide, wide, True)
 
 
-@kernel
+@field_kernel
 def _force(z, numbers, index, work, out):
     # index: d, k, rows of the widest layer, activation, rule (0 decoder, 1 decoder_mass, 2 encoder), where encoder, load and mass begin in numbers, where the
     # encoder's sizes begin in index, then the decoder's. work: four blocks of an even number of channels, then the Gram matrix and its right side.
@@ -123,17 +124,17 @@ def _force(z, numbers, index, work, out):
     begin, back, one, two, gram = 0, channels * wide, 2 * channels * wide, 3 * channels * wide, 4 * channels * wide
     right = gram + d * d
     for i in range(d):
-        store(work, begin + i, load(z, i))
+        store(work, begin + i, load(z, i, WIDTH))
         for axis in range(channels - 1):
-            store(work, begin + (1 + axis) * wide + i, 1.0 if i == axis else 0.0)
+            store(work, begin + (1 + axis) * wide + i, fill(1.0 if i == axis else 0.0, WIDTH))
     _network(numbers, 0, index, decoder_layers, activation, channels, work, wide, begin, back, one, two)
     if rule == 2:
         for i in range(k):
-            store(work, back + wide + i, numbers[load_at + i])
+            store(work, back + wide + i, fill(numbers[load_at + i], WIDTH))
         _network(numbers, encoder, index, encoder_layers, activation, 2, work, wide, back, begin, one, two)
         for i in range(d):
-            store(out, i, 0.0)
-            store(out, d + i, load(work, begin + wide + i))
+            store(out, i, fill(0.0, WIDTH))
+            store(out, d + i, load(work, begin + wide + i, WIDTH))
         return
     weighted_by = back
     if rule == 1:
@@ -142,32 +143,32 @@ def _force(z, numbers, index, work, out):
             _multiply(numbers, mass_at, k + (-k) % 4, k, work, back + c * wide, one + c * wide, wide, False)
     for a in range(d):
         tangent, weighted = back + (1 + a) * wide, weighted_by + (1 + a) * wide
-        total = spread(0.0)
+        total = fill(0.0, WIDTH)
         for i in range(k):
-            total = total + load(work, tangent + i) * numbers[load_at + i]
+            total = total + load(work, tangent + i, WIDTH) * numbers[load_at + i]
         store(work, right + a, total)
         for b in range(a + 1):
-            total = spread(0.0)
+            total = fill(0.0, WIDTH)
             for i in range(k):
-                total = total + load(work, weighted + i) * load(work, back + (1 + b) * wide + i)
+                total = total + load(work, weighted + i, WIDTH) * load(work, back + (1 + b) * wide + i, WIDTH)
             store(work, gram + a * d + b, total)
     for a in range(d):  # Cholesky, row by row, and the forward substitution with it; the diagonal keeps 1/L_aa
         for b in range(a + 1):
-            total = load(work, gram + a * d + b)
+            total = load(work, gram + a * d + b, WIDTH)
             for i in range(b):
-                total = total - load(work, gram + a * d + i) * load(work, gram + b * d + i)
-            store(work, gram + a * d + b, 1.0 / sqrt(total) if a == b else total * load(work, gram + b * d + b))
-        total = load(work, right + a)
+                total = total - load(work, gram + a * d + i, WIDTH) * load(work, gram + b * d + i, WIDTH)
+            store(work, gram + a * d + b, 1.0 / sqrt(total) if a == b else total * load(work, gram + b * d + b, WIDTH))
+        total = load(work, right + a, WIDTH)
         for i in range(a):
-            total = total - load(work, gram + a * d + i) * load(work, right + i)
-        store(work, right + a, total * load(work, gram + a * d + a))
+            total = total - load(work, gram + a * d + i, WIDTH) * load(work, right + i, WIDTH)
+        store(work, right + a, total * load(work, gram + a * d + a, WIDTH))
     for a in range(d - 1, -1, -1):
-        total = load(work, right + a)
+        total = load(work, right + a, WIDTH)
         for i in range(a + 1, d):
-            total = total - load(work, gram + i * d + a) * load(work, right + i)
-        store(work, right + a, total * load(work, gram + a * d + a))
-        store(out, d + a, load(work, right + a))
-        store(out, a, 0.0)
+            total = total - load(work, gram + i * d + a, WIDTH) * load(work, right + i, WIDTH)
+        store(work, right + a, total * load(work, gram + a * d + a, WIDTH))
+        store(out, d + a, load(work, right + a, WIDTH))
+        store(out, a, fill(0.0, WIDTH))
 
 
 def force_kernel(encoder: list[np.ndarray], decoder: list[np.ndarray], encoder_linear: np.ndarray, decoder_linear: np.ndarray, activation: str, load: np.ndarray,

@@ -7,33 +7,34 @@ from functools import lru_cache
 
 import numpy as np
 
-from vibrom.solvers.lanes import Kernel, kernel, load, spread, store
+from vibrom.lanes import WIDTH, fill, load, store
+from vibrom.solvers.field import Kernel, field_kernel
 
 
-@kernel
+@field_kernel
 def _polynomial(z, numbers, index, work, out):
     # numbers: 1/s (r), then the coefficients row by row; index: number of products, their (factor, variable), then for each row a count and its monomials.
     r, products = len(z), index[0]
-    store(work, 0, 1.0)
+    store(work, 0, fill(1.0, WIDTH))
     for i in range(r):
-        store(work, 1 + i, load(z, i) * numbers[i])
+        store(work, 1 + i, load(z, i, WIDTH) * numbers[i])
     for k in range(products):
-        store(work, 1 + r + k, load(work, index[1 + 2 * k]) * load(work, 1 + index[2 + 2 * k]))
+        store(work, 1 + r + k, load(work, index[1 + 2 * k], WIDTH) * load(work, 1 + index[2 + 2 * k], WIDTH))
     at, coefficient = 1 + 2 * products, r
     for i in range(r):
         count = index[at]
-        total = spread(0.0)
+        total = fill(0.0, WIDTH)
         for k in range(count):
-            total = total + load(work, index[at + 1 + k]) * numbers[coefficient + k]
+            total = total + load(work, index[at + 1 + k], WIDTH) * numbers[coefficient + k]
         store(out, i, total)
         at += 1 + count
         coefficient += count
 
 
-@kernel
+@field_kernel
 def _constant(z, numbers, index, work, out):
     for i in range(len(z)):
-        store(out, i, numbers[i])
+        store(out, i, fill(numbers[i], WIDTH))
 
 
 @lru_cache(maxsize=64)

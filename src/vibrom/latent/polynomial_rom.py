@@ -17,7 +17,7 @@ from vibrom.latent.polynomial import least_squares, monomials
 from vibrom.rom import MethodError, Rom, Structure, array_field
 
 if TYPE_CHECKING:
-    from vibrom.solvers.lanes import Field
+    from vibrom.solvers.field import Field
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class PolynomialRom(Rom):
 
     def field(self, p: np.ndarray | None) -> Field:
         from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
-        from vibrom.solvers.lanes import Field
+        from vibrom.solvers.field import Field
 
         drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics)
         return Field(drift, None if p is None else constant_kernel(self._push(p)))

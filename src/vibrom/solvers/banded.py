@@ -10,7 +10,7 @@ import numpy as np
 from numba import types
 from scipy.sparse import coo_matrix, spmatrix
 
-from vibrom.lanes import WIDTH, kernel, load, store
+from vibrom.lanes import WIDTH, cut, kernel, load, paste, sqrt, store
 
 _band = types.float64[:, :, ::1]
 _one = types.float64[:, ::1]
@@ -111,7 +111,7 @@ def kernels(width: int):
         entries = band.reshape(n * depth, width)
         for j in range(n):
             # The diagonal keeps 1/L_jj: substitution multiplies by it.
-            inverse = 1.0 / np.sqrt(load(entries, j * depth, width))
+            inverse = 1.0 / sqrt(load(entries, j * depth, width))
             store(entries, j * depth, inverse)
             reach = min(depth, n - j)
             for d in range(1, reach):
@@ -121,7 +121,7 @@ def kernels(width: int):
                     value, k = band[j, d, 0], d
                     while k + WIDTH <= reach:
                         at = (j + d) * depth + k - d
-                        store(entries, at, load(entries, at, WIDTH) - value * load(entries, j * depth + k, WIDTH))
+                        paste(entries, at, cut(entries, at, WIDTH) - value * cut(entries, j * depth + k, WIDTH))
                         k += WIDTH
                     while k < reach:
                         band[j + d, k - d, 0] -= value * band[j, k, 0]

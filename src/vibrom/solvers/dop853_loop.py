@@ -12,8 +12,9 @@ import numpy as np
 from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from vibrom.lanes import WIDTH, kernel, load, sqrt, store
 from vibrom.solvers.dop853 import A_EXTRA, B, C_EXTRA, D, E3, E5, FASTEST, SAFETY, SLOWEST, STAGES, A, C, Solution
-from vibrom.solvers.lanes import KERNEL, WIDTH, Field, load, sqrt, store
+from vibrom.solvers.field import KERNEL, Field
 
 OUTCOMES = np.array(["ok", "diverged", "step_underflow"], dtype=object)
 _OK, _DIVERGED, _UNDERFLOW = range(3)
@@ -38,18 +39,18 @@ def _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequenc
         force(y, force_tables[0], force_tables[1], work, push)
         for w in range(WIDTH):
             t[w] = amplitude[w] * np.sin(frequency[w] * t[w])
-        signal = load(t, 0)
+        signal = load(t, 0, WIDTH)
         for i in range(len(y)):
-            store(out, i, load(out, i) + load(push, i) * signal)
+            store(out, i, load(out, i, WIDTH) + load(push, i, WIDTH) * signal)
 
 
 @njit
 def _weighed(weights, count, slopes, i):
     """sum_j weights_j slopes_j of coordinate i."""
-    r, total = slopes.shape[1], load(slopes, i) * weights[0]
+    r, total = slopes.shape[1], load(slopes, i, WIDTH) * weights[0]
     for j in range(1, count):
         if weights[j] != 0.0:  # a third of them
-            total = total + load(slopes, j * r + i) * weights[j]
+            total = total + load(slopes, j * r + i, WIDTH) * weights[j]
     return total
 
 
@@ -92,11 +93,11 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                         slopes[0, i, w] = slopes[1, i, w]
         for w in range(WIDTH):
             hk[w] = min(h[w], times[run[w], m - 1] - t[w]) if run[w] >= 0 else 0.0  # an empty lane stands still
-        step = load(hk, 0)
+        step = load(hk, 0, WIDTH)
         for s in range(1, STAGES + 1):
             target = new if s == STAGES else stage
             for i in range(r):
-                store(target, i, load(y, i) + step * _weighed(_WEIGHTS[s], s, slopes, i))
+                store(target, i, load(y, i, WIDTH) + step * _weighed(_WEIGHTS[s], s, slopes, i))
             for w in range(WIDTH):
                 instant[w] = t[w] + _NODES[s] * hk[w]
             _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, target, push, slopes[s])
@@ -104,7 +105,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
         for i in range(r):
             for w in range(WIDTH):
                 instant[w] = atol[i] + rtol * max(abs(y[i, w]), abs(new[i, w]))
-            scale = load(instant, 0)
+            scale = load(instant, 0, WIDTH)
             e5, e3 = _weighed(E5, STAGES + 1, slopes, i) / scale, _weighed(E3, STAGES + 1, slopes, i) / scale
             fifth, third = fifth + e5 * e5, third + e3 * e3
         store(error, 0, step * fifth / sqrt((fifth + third * 0.01 + _TINY) * r))
@@ -116,15 +117,15 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
         if sampling:
             for s in range(STAGES + 1, _ALL):
                 for i in range(r):
-                    store(stage, i, load(y, i) + step * _weighed(_WEIGHTS[s], s, slopes, i))
+                    store(stage, i, load(y, i, WIDTH) + step * _weighed(_WEIGHTS[s], s, slopes, i))
                 for w in range(WIDTH):
                     instant[w] = t[w] + _NODES[s] * hk[w]
                 _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, stage, push, slopes[s])
             for i in range(r):
-                change = load(new, i) - load(y, i)
+                change = load(new, i, WIDTH) - load(y, i, WIDTH)
                 store(dense[0], i, change)
-                store(dense[1], i, step * load(slopes[0], i) - change)
-                store(dense[2], i, 2.0 * change - step * (load(slopes[STAGES], i) + load(slopes[0], i)))
+                store(dense[1], i, step * load(slopes[0], i, WIDTH) - change)
+                store(dense[2], i, 2.0 * change - step * (load(slopes[STAGES], i, WIDTH) + load(slopes[0], i, WIDTH)))
                 for k in range(4):
                     store(dense[3 + k], i, step * _weighed(D[k], _ALL, slopes, i))
         for w in range(WIDTH):
@@ -173,7 +174,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-    _compiled = njit([_SIGNATURE], cache=True, error_model="numpy", fastmath={"contract"})(_loop)
+    _compiled = kernel(_SIGNATURE, fastmath={"contract"})(_loop)
 
 
 def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float, atol: np.ndarray, first_step: float, reach: np.ndarray, limit: np.ndarray,

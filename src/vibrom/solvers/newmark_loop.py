@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from vibrom.lanes import fill, kernel, load, store
+from vibrom.lanes import fill, kernel, load, sqrt, store
 from vibrom.term import FORCE, TANGENT
 
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -46,7 +46,7 @@ def newmark_loop(width: int, forces: int):
         r, f, inertial, linear, bent = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
         norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
-        hs = load(h.reshape(1, width), 0, width)
+        hs = load(h, 0, width)
         by_q, by_v = beta * hs * hs, gamma * hs
         values = factor.reshape(factor.shape[0] * factor.shape[1], width)
         stored = 0
@@ -107,13 +107,13 @@ def newmark_loop(width: int, forces: int):
                                 bodies += body * body
                                 springs += spring * spring
                                 loads += p * p
-                            store(scale, 0, np.sqrt(bodies) + np.sqrt(springs) + np.sqrt(loads))
+                            store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
                         squares = fill(0.0, width)
                         for i in range(n):
                             residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
                             store(r, i, residual)
                             squares += residual * residual
-                        store(norm, 0, np.sqrt(squares))
+                        store(norm, 0, sqrt(squares))
                         for w in range(width):
                             if failed[w] >= 0:
                                 continue
