@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import SLENDER, quadratic_body
+from scenes import BEAM, BENDING, LINE, SLENDER, quadratic_body
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
@@ -11,8 +11,6 @@ from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
 
 TIP, AT = {"tip": {"at": [1.0, 0.01], "direction": "y"}}, [1.0, 0.01]
-BENDING, LINE = 104.0e9 * 0.05 * 0.02**3 / 12, 440.0 * 0.05 * 0.02  # EI [N m2], mass a metre [kg/m]
-BEAM = {"inertia": {"density": 440.0}, "elasticity": SLENDER}
 
 
 @pytest.mark.parametrize("ratio", [0.5, 5.0])

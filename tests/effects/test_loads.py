@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import skfem
-from scenes import LINEAR, SLENDER, body, quadratic_body
+from scenes import BEAM, BENDING, LINE, LINEAR, body, quadratic_body
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 from skfem.helpers import dot, grad, identity
@@ -15,8 +15,6 @@ from vibrom.solvers.newmark import Newmark, Record
 from vibrom.term import SceneError
 
 TIP = {"tip": {"at": [1.0, 0.01], "direction": "y"}}
-BENDING, LINE = 104.0e9 * 0.05 * 0.02**3 / 12, 440.0 * 0.05 * 0.02  # EI [N m2], mass a metre [kg/m]
-BEAM = {"inertia": {"density": 440.0}, "elasticity": SLENDER}
 
 
 def test_static_deflection_under_a_point_load():

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import SLENDER, quadratic_body
+from scenes import BENDING, SLENDER, quadratic_body
 from scipy.integrate import simpson, solve_bvp
 
 from vibrom import effects, space
 from vibrom.solvers import static
 from vibrom.term import Force, Term
 
-YOUNG, BENDING = 104.0e9, 104.0e9 * 0.05 * 0.02**3 / 12
+YOUNG = SLENDER["young_modulus"]
 STATIC = {"elasticity": SLENDER, "geometric_nonlinearity": {}}
 
 
