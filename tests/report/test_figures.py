@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from vibrom.report import names
@@ -86,6 +87,16 @@ def test_outline_of_a_beam_is_one_closed_loop(collection):
 
     loops = outline(collection.find("small", "full_order", "structure"))
     assert len(loops) == 1 and len(loops[0]) == 2 * (8 + 2) + 1 and loops[0][0] == loops[0][-1]
+
+
+def test_mid_side_nodes_of_quadratic_elements_move_no_corner(collection):
+    from vibrom.report.figures.body import displacement
+
+    structure = collection.find("small", "full_order", "structure")
+    free, dof_node = np.ones(structure.sizes["dof"]), structure["dof_node"].copy()
+    dof_node[3:5] = -1
+    moved = displacement(structure.assign(dof_node=dof_node), free)
+    assert moved.sum() == structure.sizes["dof"] - 2
 
 
 def test_all_formats_and_the_same_bytes_twice(tree, tmp_path):

@@ -59,6 +59,12 @@ def test_the_repository_is_valid_with_every_overlay(root):
     load(root, root / "tests/workflow/small_dag.yaml")
 
 
+def test_every_scene_file_is_valid(project):
+    names = sorted(path.stem for path in (project / "config/scenes").glob("*.yaml"))
+    change(project / "config/config.yaml", "scenes", names)
+    assert {"small", "cantilever_unlocked", "clamped_clamped", "shallow_arch", "tip_mass_stop"} <= set(load(project).scenes)
+
+
 def test_numbers_without_a_dot_or_sign_are_numbers():
     assert numbers({"a": ["1e-8", "104.0e9", "left"], "b": {"c": "3E+2"}}) == {
         "a": [1e-8, 104.0e9, "left"],
