@@ -109,7 +109,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
     empty = np.zeros((0, 0))
     mass, damping, stiffness = (empty if part is None else banded.to_band(part, half) for part in (term.mass, term.damping, term.stiffness))
-    rate = _mass_rate(mass, damping)
+    rate = _mass_rate(mass, damping) if kernels else 0.0
     base = mass[:, :, None] + np.zeros(width)
     if damping.size:
         base = base + gamma * h * damping[:, :, None]

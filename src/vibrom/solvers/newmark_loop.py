@@ -69,16 +69,17 @@ def newmark_loop(width: int, forces: int):
                     # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
                     if iteration == 0:
                         inertial[:], linear[:] = 0.0, 0.0
-                        if rate != 0.0:  # damping proportional to the mass
+                        if nonlinear:
                             for i in range(n):
                                 store(r, i, load(a, i, width) + rate * load(v, i, width))
                             multiply_add(mass, r, inertial)
-                        elif nonlinear:  # otherwise the guess is zero
-                            multiply_add(mass, a, inertial)
-                        if damping.size > 0:
-                            multiply_add(damping, v, inertial)
-                        if stiffness.size > 0:
-                            multiply_add(stiffness, q, linear)
+                        if damping.size > 0 and stiffness.size > 0 and not nonlinear:
+                            multiply_add_both(damping, stiffness, v, q, linear)
+                        else:
+                            if damping.size > 0:
+                                multiply_add(damping, v, inertial)
+                            if stiffness.size > 0:
+                                multiply_add(stiffness, q, linear)
                     else:
                         for i in range(n):
                             change = load(r, i, width)
