@@ -44,15 +44,15 @@ def measure(note) -> Iterator[Row]:
     depth, elements = half + 1, len(force.dofs)
     q = np.ascontiguousarray(np.repeat(released()[:, None], STATES, axis=1))
     internal, tangent = force.kernels(STATES)
-    _, _, cholesky, solve = banded.kernels(STATES)
+    _, _, factorise, solve = banded.kernels(STATES)
     band = np.ascontiguousarray(banded.to_band(model.term.mass, half)[:, :, None] * np.ones(STATES))
     factor, slots, scale = band.copy(), banded.band_slots(force.dofs, half), np.full(STATES, 1e-12)
-    cholesky(factor)
+    factorise(factor)
     work, values, x, registers, copy = band.copy(), np.zeros((n * depth, STATES)), q.copy(), np.ones((8, 8)), np.empty_like(band)
 
     def refactor() -> None:
         work[:] = band
-        cholesky(work)
+        factorise(work)
 
     rounds = 100_000
     seconds = paired({
