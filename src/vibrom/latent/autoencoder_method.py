@@ -21,6 +21,7 @@ CHOICES = {
     "activation": ("elu", "silu", "softplus", "tanh"),
     "linear": ("none", "pod", "modes"),
     "time_scale": ("first_frequency", "none"),
+    "optimiser": ("soap", "adam"),
     "schedule": ("one_cycle", "constant"),
     "precision": ("float32", "float64"),
     "force_rule": RULES,
@@ -40,10 +41,11 @@ class AutoencoderMethod(Method):
     scaled: bool = True  # displacements divided by their root mean square
     time_scale: str = "first_frequency"  # or none: seconds
     every: int = 10  # train on every k-th sample
-    epochs: int = 2000
+    epochs: int = 600
     batch: int = 0  # samples in a step; 0: all
     shuffle: bool = False
-    learning_rate: float = 4e-3
+    optimiser: str = "soap"
+    learning_rate: float = 3e-2
     schedule: str = "one_cycle"
     precision: str = "float32"
     force_rule: str = "decoder"
@@ -89,7 +91,7 @@ class AutoencoderMethod(Method):
             dynamics = self.dynamics(training, chosen, stack)
             parts = train(
                 Autoencoder(sizes, self.activation, *tensors, fixed_tangent=self._modes > 0), dynamics,
-                Schedule(self.epochs, self.batch, self.shuffle, self.learning_rate, self.schedule, self.precision), stack, test,
+                Schedule(self.epochs, self.batch, self.shuffle, self.learning_rate, self.schedule, self.precision, self.optimiser), stack, test,
                 seed=training.seed or 0, device=device, monitor=training.monitor,
                 label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
         learnt = parts.pop() if dynamics else None
