@@ -94,6 +94,11 @@ class Learner:
     def _views(self, vector: torch.Tensor) -> list[torch.Tensor]:
         return [part.view(shape) for part, shape in zip(vector.split([shape.numel() for shape in self.shapes]), self.shapes)]
 
+    def learnt(self) -> list[np.ndarray]:
+        """The weights and, last, Xi."""
+        parts = [part.cpu().double().numpy().copy() for part in self.parts]
+        return [*parts[:-1], self.dynamics.gain * parts[-1]] if self.dynamics else parts
+
     def losses(self, c: torch.Tensor, learn: bool = True) -> torch.Tensor:
         """The `terms` of the loss of c (3, sample, k); `learn`: and the gradient of the total."""
         twice = 2.0 / c.shape[1]
@@ -147,22 +152,32 @@ def mean_square(residual: torch.Tensor) -> torch.Tensor:
 
 def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tensor, generator: torch.Generator | None = None,
            first: int = 0) -> Iterator[tuple[int, torch.Tensor]]:
-    """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses. Both stay on the device: fetching them makes the
-    host wait. Parameters, gradient, losses and rate stay where they are in memory, so that a step is the same work on the same addresses."""
+    """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses.
+
+    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a step is the
+    same work on the same addresses every time.
+    """
     samples = c.shape[1]
     batch = min(schedule.batch or samples, samples)
     batches = ceil(samples / batch)
     steps = schedule.epochs * batches
-    rates = torch.tensor([schedule.rate_at(step, steps) for step in range(first * batches, steps)], dtype=torch.float64).to(c.device)
+    rates = torch.tensor([schedule.rate_at(step, steps) for step in range(steps)], dtype=torch.float64).to(c.device)
+    rate = torch.zeros_like(rates[0])
     sums = torch.zeros(len(learner.terms), dtype=c.dtype, device=c.device)
+    # All batches have one size, save perhaps the last.
+    places = {size: c if batches == 1 else c.new_empty(3, size, c.shape[2]) for size in (batch, samples - (batches - 1) * batch)}
     for epoch in range(first, schedule.epochs):
         order = torch.randperm(samples, generator=generator).to(c.device) if schedule.shuffle else None
         sums.zero_()
         for index in range(batches):
-            span, step = slice(index * batch, (index + 1) * batch), epoch * batches + index
-            part = c if batches == 1 else c[:, span] if order is None else c[:, order[span]]
+            begin, step = index * batch, epoch * batches + index
+            part = places[min(batch, samples - begin)]
+            if batches > 1:
+                span = slice(begin, begin + part.shape[1])
+                part.copy_(c[:, span] if order is None else c[:, order[span]])
+            rate.copy_(rates[step])
             sums.add_(learner.losses(part), alpha=part.shape[1] / samples)
-            optimiser.step(learner.gradient, rates[step - first * batches])
+            optimiser.step(learner.gradient, rate)
             if optimiser.every and (step + 1) % optimiser.every == 0:
                 optimiser.turn()
         yield epoch + 1, sums
@@ -188,8 +203,7 @@ def train(autoencoder: Autoencoder, dynamics: Dynamics | None, schedule: Schedul
         if time.monotonic() - saved > CHECKPOINT_SECONDS:
             monitor.checkpoint(_state(label, epoch, learner, optimiser, generator, history))
             saved = time.monotonic()
-    parts = [part.cpu().double().numpy() for part in learner.parts]
-    return parts if dynamics is None else [*parts[:-1], dynamics.gain * parts[-1]]
+    return learner.learnt()
 
 
 def _record(learner: Learner, sums: torch.Tensor, test, epoch: int, epochs: int, history: dict[str, list[float]], monitor: Monitor) -> None:

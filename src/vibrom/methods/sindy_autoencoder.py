@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SindyAutoencoder(AutoencoderMethod):
-    acceleration_full: float = 1.0
+    acceleration_full: float = 0.01
     acceleration_reduced: float = 0.1
     sparsity: float = 0.0  # l3
     first_coefficient: float = 0.0  # of every monomial, before training
