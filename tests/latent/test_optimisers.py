@@ -48,7 +48,7 @@ def test_turns_end_in_the_eigenvectors_of_the_averaged_squares():
     weights = 0.05 * 0.95 ** np.arange(len(first))[::-1]
     for side, squares in enumerate((first @ first.transpose(0, 2, 1), first.transpose(0, 2, 1) @ first)):
         expected = np.tensordot(weights, squares, 1)
-        basis = soap._at("basis", 0, side).numpy()
+        basis = soap.bases[0, side].numpy()
         # Each turn gains a factor of the ratio of neighbouring eigenvalues; the closest two here have 0.976, and 0.976^3000 is nothing.
         turned = basis.T @ expected @ basis
         assert np.allclose(turned, np.diag(np.linalg.eigvalsh(expected)[::-1]), atol=1e-9 * np.trace(expected))

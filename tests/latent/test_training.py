@@ -108,7 +108,7 @@ def test_nothing_is_fetched_within_the_loop(optimiser, dynamics):
     """On torch's device without data any look at a value is an error."""
     device = torch.device("meta")
     learner = loop.Learner(SHAPE, dynamics, torch.float32, device, torch.Generator().manual_seed(0))
-    chosen = schedule(optimiser=optimiser)
+    chosen = schedule(optimiser=optimiser, epochs=3)
     c = torch.empty(3, 64, 5, device=device)
     for epoch, sums in loop.epochs(learner, OPTIMISERS[optimiser](learner.vector, learner.shapes), chosen, c, torch.Generator().manual_seed(0)):
         pass

@@ -57,7 +57,7 @@ class AutoencoderMethod(Method):
     scaled: bool = True  # displacements divided by their root mean square
     time_scale: str = "first_frequency"  # or none: seconds
     every: int = 10  # train on every k-th sample
-    epochs: int = 600
+    epochs: int = 400
     batch: int = 0  # samples in a step; 0: all
     shuffle: bool = False
     optimiser: str = "soap"

@@ -46,52 +46,47 @@ class Soap(Adam):
     def __init__(self, vector: torch.Tensor, shapes: Sequence[torch.Size], betas: tuple[float, float] = (0.9, 0.95), memory: float = 0.95):
         super().__init__(vector, shapes, betas)
         self.memory = memory
-        # Sides of one size stand side by side, so that one call turns all of them: (part, side) -> their place there.
-        self._places: dict[tuple[int, int], tuple[str, int]] = {}
-        counts: dict[int, int] = {}
-        for part, shape in enumerate(self.shapes):
-            for side, size in enumerate(shape):
-                if size > 1:
-                    self._places[part, side] = (f"{size}", counts.get(size, 0))
-                    counts[size] = counts.get(size, 0) + 1
-        for size, count in counts.items():
-            self.state[f"factor {size}"] = vector.new_zeros(count, size, size)
-            self.state[f"basis {size}"] = torch.eye(size, dtype=vector.dtype, device=vector.device).repeat(count, 1, 1)
+        # Sides of one size lie in one tensor, so that one call turns all of them. (part, side) -> its own L or R, and its Q or P.
+        sides = [(part, side, size) for part, shape in enumerate(self.shapes) for side, size in enumerate(shape) if size > 1]
+        self.factors: dict[tuple[int, int], torch.Tensor] = {}
+        self.bases: dict[tuple[int, int], torch.Tensor] = {}
+        self._sizes = sorted({size for *_, size in sides})
+        for size in self._sizes:
+            places = [(part, side) for part, side, its in sides if its == size]
+            self.state[f"factors {size}"] = vector.new_zeros(len(places), size, size)
+            self.state[f"bases {size}"] = torch.eye(size, dtype=vector.dtype, device=vector.device).repeat(len(places), 1, 1)
+            self.factors |= zip(places, self.state[f"factors {size}"])
+            self.bases |= zip(places, self.state[f"bases {size}"])
 
     def step(self, gradient: torch.Tensor, rate: torch.Tensor) -> None:
-        mean = self.state["mean"].lerp_(gradient, 1.0 - self.betas[0])
+        for size in self._sizes:
+            self.state[f"factors {size}"].mul_(self.memory)
         for part, matrix in enumerate(self._matrices(gradient)):
             for side, pair in enumerate(((matrix, matrix.T), (matrix.T, matrix))):
-                if (part, side) in self._places:
-                    self._at("factor", part, side).mul_(self.memory).addmm_(*pair, alpha=1.0 - self.memory)
+                if (part, side) in self.factors:
+                    self.factors[part, side].addmm_(*pair, alpha=1.0 - self.memory)
+        mean = self.state["mean"].lerp_(gradient, 1.0 - self.betas[0])
         turned = self._turned(torch.stack([gradient, mean]), back=False)
-        self.vector.sub_(self._turned(self._move(turned[0], turned[1], rate)[None], back=True)[0])
+        self.vector.sub_(self._turned(self._move(turned[0], turned[1], rate), back=True))
 
     def turn(self) -> None:
-        for name, factor in self.state.items():
-            kind, _, size = name.partition(" ")
-            if kind == "factor":
-                basis = self.state[f"basis {size}"]
-                basis.copy_(torch.linalg.qr(factor @ basis)[0])
+        for size in self._sizes:
+            basis = self.state[f"bases {size}"]
+            basis.copy_(torch.linalg.qr(self.state[f"factors {size}"] @ basis)[0])
 
     def _matrices(self, rows: torch.Tensor) -> list[torch.Tensor]:
         """The matrices (*rows, m, n) in vectors (*rows, weights)."""
         return [part.view(*rows.shape[:-1], *shape) for part, shape in zip(rows.split([shape.numel() for shape in self.shapes], dim=-1), self.shapes)]
 
-    def _at(self, kind: str, part: int, side: int) -> torch.Tensor:
-        size, place = self._places[part, side]
-        return self.state[f"{kind} {size}"][place]
-
     def _turned(self, rows: torch.Tensor, back: bool) -> torch.Tensor:
         """Q' G P of every matrix G, or Q G P' (`back`)."""
         found = []
         for part, matrix in enumerate(self._matrices(rows)):
-            if (part, 0) in self._places:
-                basis = self._at("basis", part, 0)
-                matrix = (basis if back else basis.T) @ matrix
-            if (part, 1) in self._places:
-                basis = self._at("basis", part, 1)
-                matrix = matrix @ (basis.T if back else basis)
+            left, right = self.bases.get((part, 0)), self.bases.get((part, 1))
+            if left is not None:
+                matrix = (left if back else left.T) @ matrix
+            if right is not None:
+                matrix = matrix @ (right.T if back else right)
             found.append(matrix.flatten(-2))
         return torch.cat(found, dim=-1)
 

@@ -16,7 +16,7 @@ import numpy as np
 import torch
 
 from vibrom.latent.autoencoder import Autoencoder, Polynomial
-from vibrom.latent.optimisers import OPTIMISERS, Adam
+from vibrom.latent.optimisers import OPTIMISERS, Adam, Soap
 from vibrom.rom import MethodError, Monitor, TrainingDiverged
 
 ROWS = 100
@@ -68,10 +68,11 @@ def pick_device(name: str) -> torch.device:
 
 
 def warm_up() -> None:
-    """One step on next to nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
+    """Five steps on next to nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
     learner = Learner(Autoencoder((2, 2, 1), "silu"), None, torch.float32, torch.device("cpu"), torch.Generator())
     nothing = torch.zeros(1, 1, 2)
-    for epoch, _ in epochs(learner, OPTIMISERS["soap"](learner.vector, learner.shapes), Schedule(5, 0, False, 1e-3, "constant", "float32", "soap"), nothing):
+    schedule = Schedule(5, 0, False, 1e-3, "constant", "float32", "soap")
+    for _ in epochs(learner, Soap(learner.vector, learner.shapes), schedule, nothing):
         pass
 
 
