@@ -33,7 +33,7 @@ CHOICES = {
 
 @dataclass(frozen=True)
 class Problem:
-    """Samples for training and test (3, m, k) in these coordinates; the linear parts E and D beside the networks; the networks and what is learnt with them."""
+    """Samples (3, m, k) in these coordinates, the linear parts E and D beside the networks, the networks, and the dynamics learnt with them."""
 
     coordinates: Coordinates
     train: np.ndarray
@@ -94,8 +94,9 @@ class AutoencoderMethod(Method):
         warm_up()
         with training.monitor.phase("mapping"):
             problem = self.problem(training)
-            learnt = train(problem.autoencoder, problem.dynamics, self.plan(), problem.train, problem.test, seed=training.seed or 0, device=problem.device,
-                           monitor=training.monitor, label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
+            learnt = train(problem.autoencoder, problem.dynamics, self.plan(), problem.train, problem.test, seed=training.seed or 0,
+                           device=problem.device, monitor=training.monitor,
+                           label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
         with training.monitor.phase("dynamics"):
             return self.model(training, problem, learnt)
 

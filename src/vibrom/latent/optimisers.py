@@ -4,8 +4,9 @@
     SOAP:  the same for every matrix W (m, n) of the vector in turned coordinates,  g = Q' G P  and back,  with Q and P the eigenvectors of
            L <- s L + (1 - s) G G'    and    R <- s R + (1 - s) G' G
 
-Layers see inputs and errors of very unequal size along different directions; SOAP gives each of those directions a step of its own, where Adam gives one
-to each weight. Q and P follow L and R by one step of orthogonal iteration, Q <- qr(L Q), every few steps; a side of one row or column stays as it is.
+Layers see inputs and errors of very unequal size along different directions; SOAP gives each of those directions a step of its own, where Adam
+gives one to each weight. Q and P follow L and R by one step of orthogonal iteration, Q <- qr(L Q), every few steps; a side of one row or column
+stays as it is.
 Sources: Kingma and Ba, arXiv:1412.6980; Vyas et al., arXiv:2409.11321 (SOAP); Golub and Van Loan, Matrix Computations, section 8.2.4.
 """
 

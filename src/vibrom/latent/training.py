@@ -109,8 +109,8 @@ class Learner:
             error = back.sub_(c[:1])
             mean = mean_square(error[0])
             if learn:
-                self.autoencoder.encode_backward(self.autoencoder.decode_backward(error.mul_(twice), z, self.parts, again, self.slopes), self.parts, there,
-                                                 self.slopes)
+                g = self.autoencoder.decode_backward(error.mul_(twice), z, self.parts, again, self.slopes)
+                self.autoencoder.encode_backward(g, self.parts, there, self.slopes)
             return torch.stack([mean, mean])
         dynamics, coefficients = self.dynamics, self.dynamics.gain * self.parts[-1]
         z, there = self.autoencoder.encode(c, self.parts)
@@ -155,8 +155,8 @@ def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tenso
            first: int = 0) -> Iterator[tuple[int, torch.Tensor]]:
     """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses.
 
-    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a step is the
-    same work on the same addresses every time.
+    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a
+    step is the same work on the same addresses every time.
     """
     samples = c.shape[1]
     batch = min(schedule.batch or samples, samples)
@@ -225,7 +225,8 @@ def _state(label: str, epoch: int, learner: Learner, optimiser: Adam, generator:
             "generator": generator.get_state().numpy().copy(), **{f"history_{name}": np.array(values) for name, values in history.items()}}
 
 
-def _restore(monitor: Monitor, label: str, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]], epochs: int) -> int:
+def _restore(monitor: Monitor, label: str, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]],
+             epochs: int) -> int:
     """Takes up an interrupted training: puts everything back, tells the monitor the rows it had, and gives the epoch to go on from."""
     state = monitor.restore()
     if state is None or str(state["label"]) != label:

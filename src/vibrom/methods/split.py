@@ -3,8 +3,8 @@
     min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - f(z, z')|^2,    f = R0 (z, z') + Xi Theta(z, z'),    z = w(q)
 
 R0 = (-phi' K phi, -phi' C phi) of the first d modes; Theta holds the monomials 2..p; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and
-`acceleration_reduced`. Both are small: one coordinate follows the accelerations far less closely than the displacements (folding beam, root mean square: 6 % at
-best against 0.8 %), and larger weights pay for them with the motion.
+`acceleration_reduced`. Both are small: one coordinate follows the accelerations far less closely than the displacements (folding beam, root mean
+square: 6 % at best against 0.8 %), and larger weights pay for them with the motion.
 """
 
 from __future__ import annotations
