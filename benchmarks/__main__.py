@@ -26,7 +26,7 @@ from benchmarks import page
 from vibrom.report.figures.style import STYLE, render
 
 # In the order of the page.
-NAMES = ("full_order", "sweep", "effects", "growth", "budget", "compilation", "rollouts", "workflow")
+NAMES = ("full_order", "sweep", "effects", "growth", "budget", "compilation", "training", "rollouts", "workflow")
 RESULTS = Path("results")
 
 
