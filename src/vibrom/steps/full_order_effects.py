@@ -142,9 +142,11 @@ def static_amplitude(model: FullOrder, forcing: float) -> np.ndarray:
 
 
 def take_turns(bodies: dict[str, FullOrder], where: np.ndarray, answers: dict[str, Answer], lengths: dict) -> None:
-    """Seconds a step of each body's decay, several times; they take turns, so that a slow moment of the machine meets all of them."""
+    """Seconds a step of each body's decay, several times; they take turns, each round in another order, so that a slow moment of the machine meets all."""
+    order = list(bodies.items())
     for turn in range(lengths["repeats"]):
-        for left_out, model in bodies.items():
+        order = [*order[1:], *order[:1]]
+        for left_out, model in order:
             steps = lengths["decay_periods"] * model.steps_per_period
             motion = decayed(model, where, lengths, Record(start=steps), f"{model.name}: without {left_out}, timed {turn + 1} of {lengths['repeats']}")
             answers[left_out].seconds.append(motion.seconds / steps)
@@ -158,6 +160,9 @@ def collected(answers: dict[str, Answer], model: FullOrder, lengths: dict) -> xr
         values = [getattr(answer, name) for answer in answers.values()]
         return np.array([np.broadcast_to(np.nan if value is None else value, shape) for value in values])
 
+    seconds = {name: answer.seconds or [np.nan] for name, answer in answers.items()}
+    # Rounds are compared one by one: the machine's pace differs more from round to round than within one.
+    ratio = [median(whole / less for whole, less in zip(seconds[NOTHING], one)) for one in seconds.values()]
     names, left_out, at = list(answers), "left_out", ("left_out", "probe")
     return xr.Dataset({
         "first_frequency": variable(left_out, each("first_frequency"), "rad s-1", "undamped first angular frequency about the rest state"),
@@ -168,8 +173,9 @@ def collected(answers: dict[str, Answer], model: FullOrder, lengths: dict) -> xr
         "forced_amplitude": variable(at, each("forced_amplitude", probes), "m", "largest displacement in the last period of the forced run, or the static one"),
         "forced_displacement": variable((*at, "last_time"), each("forced", probes, per_period + 1), "m", "last period of the forced run at the probes"),
         "iterations_per_step": variable(left_out, each("iterations"), "1", "Newton iterations a step of the decay"),
-        "seconds_per_step": variable(left_out, np.array([median(answer.seconds) if answer.seconds else np.nan for answer in answers.values()]), "s",
+        "seconds_per_step": variable(left_out, np.array([median(one) for one in seconds.values()]), "s",
                                      "wall time of a step of the decay, median of repeated runs that take turns; loading and compilation excluded"),
+        "seconds_ratio": variable(left_out, np.array(ratio), "1", "wall time of the whole scene's step over that of one without the effect: median over the turns"),
         "outcome": variable(left_out, np.array([answer.outcome for answer in answers.values()], dtype=object), "1", "how it ended"),
         "failed_at": variable(left_out, each("failed_at"), "s", "simulated time at which a run failed"),
     }, coords={left_out: variable(left_out, np.array(names, dtype=object), "1", "effect that is left out"), "probe": probe_coordinate(model),

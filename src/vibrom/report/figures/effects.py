@@ -36,10 +36,10 @@ def compare(row, whole, less, name: str) -> None:
     for panel, quantity, instants in zip(row, ("decay", "forced"), ("time", "last_time")):
         for line, look in ((whole, style.TRUE), (less, style.PREDICTED)):
             panel.plot(less[instants].values, line[f"{quantity}_displacement"].values, **look)
-    row[0].set_title(f"without {name.replace('_', ' ')}: decay NMTE {float(less['decay_nmte']):.3g} %")
-    outcome, failed_at = str(less["outcome"].item()), float(less["failed_at"])
+    error, outcome, failed_at = float(less["decay_nmte"]), str(less["outcome"].item()), float(less["failed_at"])
+    row[0].set_title(f"without {name.replace('_', ' ')}" + (f": decay NMTE {error:.3g} %" if np.isfinite(error) else ""))
     if outcome != "ok":
-        panels.words(row[1], outcome.replace("_", " ") + (f" at {failed_at:.3g} s" if np.isfinite(failed_at) else ""))
+        panels.words(row[int(np.isfinite(error))], outcome.replace("_", " ") + (f" at {failed_at:.3g} s" if np.isfinite(failed_at) else ""))
 
 
 def cost(panel, worth, names: list[str]) -> None:
