@@ -117,10 +117,9 @@ class Tree:
         self.score(scene, "full_order", None, "run_times", times)
 
     def worth(self, scene):
-        """Without damping nothing decays, and a step costs half; elasticity cannot be left out. Where a model fails, the body without its stop does too."""
+        """Without damping nothing decays, and a step costs half; elasticity cannot be left out, and without its stop the body fails."""
         time, last = np.arange(0, 6 * PERIOD, PERIOD / 20), np.arange(21) * PERIOD / 20
         left_out = np.array(["nothing", "elasticity", "rayleigh_damping", "stop"], dtype=object)
-        last_outcome = "no_convergence" if self.failures else "needed_by modal_load"
         known = np.array([1.0, np.nan, 1.0, np.nan])
         amplitude = SIZE[scene] * np.array([0.5, np.nan, 0.75, np.nan])
         decay = SIZE[scene] * np.array([1.0, 2.7])[:, None] * np.cos(OMEGA * time) * np.exp(-np.array([30, 30, 0, 30])[:, None, None] * time)
@@ -136,7 +135,7 @@ class Tree:
             "iterations_per_step": variable("left_out", 2 * known, "1", "iterations"),
             "seconds_per_step": variable("left_out", 2e-5 * known * [1, 1, 0.5, 1], "s", "wall time"),
             "seconds_ratio": variable("left_out", known * [1, 1, 2, 1], "1", "ratio"),
-            "outcome": variable("left_out", np.array(["ok", "needed_by modal_load", "ok", last_outcome], dtype=object), "1", "outcome"),
+            "outcome": variable("left_out", np.array(["ok", "needed_by modal_load", "ok", "no_convergence"], dtype=object), "1", "outcome"),
             "failed_at": variable("left_out", [np.nan, np.nan, np.nan, 0.01], "s", "failure"),
         }, coords={"left_out": variable("left_out", left_out, "1", "effect"), "time": variable("time", time, "s", "time"),
                    "last_time": variable("last_time", last, "s", "time"), "probe": variable("probe", np.array(PROBES, dtype=object), "1", "probe")}),
