@@ -91,7 +91,7 @@ def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float,
     if model.term.mass is None or not model.term.mass.diagonal().all():
         answer.outcome, answer.forced_amplitude = "static", static_amplitude(model, forcing)
         return answer, model, None
-    moved = decayed(model, origin + start, lengths, Record(every=model.every, probes=probes), title)
+    moved = decayed(model, origin + start, lengths["decay_periods"], Record(every=model.every, probes=probes), title)
     seen = moved.displacement[0] + model.rest - origin
     watched = moved.probes[0]
     answer.decay = watched[:, ::model.every] + (model.rest - origin)[probes, None]
@@ -113,10 +113,10 @@ def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float,
     return answer, model, seen if moved.outcomes[0] == "ok" else None
 
 
-def decayed(model: FullOrder, where: np.ndarray, lengths: dict, record: Record, title: str) -> Motion:
+def decayed(model: FullOrder, where: np.ndarray, periods: int, record: Record, title: str) -> Motion:
     """The motion of a body let go at `where` (n,) [m], counted from its undeformed state."""
-    step, steps = np.array([model.period / model.steps_per_period]), lengths["decay_periods"] * model.steps_per_period
-    return model.run((where - model.rest)[:, None], step, steps, record, title)
+    step = np.array([model.period / model.steps_per_period])
+    return model.run((where - model.rest)[:, None], step, periods * model.steps_per_period, record, title)
 
 
 def swing(x: np.ndarray, step: float) -> np.ndarray:
@@ -142,13 +142,15 @@ def static_amplitude(model: FullOrder, forcing: float) -> np.ndarray:
 
 
 def take_turns(bodies: dict[str, FullOrder], where: np.ndarray, answers: dict[str, Answer], lengths: dict) -> None:
-    """Seconds a step of each body's decay, several times; they take turns, each round in another order, so that a slow moment of the machine meets all."""
+    """Seconds a step of the first periods of each body's decay. They take many short turns, in another order each round, so that a slow moment of the
+    machine meets all of them."""
     order = list(bodies.items())
     for turn in range(lengths["repeats"]):
         order = [*order[1:], *order[:1]]
         for left_out, model in order:
-            steps = lengths["decay_periods"] * model.steps_per_period
-            motion = decayed(model, where, lengths, Record(start=steps), f"{model.name}: without {left_out}, timed {turn + 1} of {lengths['repeats']}")
+            steps = lengths["timed_periods"] * model.steps_per_period
+            title = f"{model.name}: without {left_out}, timed {turn + 1} of {lengths['repeats']}"
+            motion = decayed(model, where, lengths["timed_periods"], Record(start=steps), title)
             answers[left_out].seconds.append(motion.seconds / steps)
 
 
@@ -174,7 +176,7 @@ def collected(answers: dict[str, Answer], model: FullOrder, lengths: dict) -> xr
         "forced_displacement": variable((*at, "last_time"), each("forced", probes, per_period + 1), "m", "last period of the forced run at the probes"),
         "iterations_per_step": variable(left_out, each("iterations"), "1", "Newton iterations a step of the decay"),
         "seconds_per_step": variable(left_out, np.array([median(one) for one in seconds.values()]), "s",
-                                     "wall time of a step of the decay, median of repeated runs that take turns; loading and compilation excluded"),
+                                     "wall time of a step of the decay's first periods, median of runs that take turns; loading and compilation excluded"),
         "seconds_ratio": variable(left_out, np.array(ratio), "1", "wall time of the whole scene's step over that of one without the effect: median over the turns"),
         "outcome": variable(left_out, np.array([answer.outcome for answer in answers.values()], dtype=object), "1", "how it ended"),
         "failed_at": variable(left_out, each("failed_at"), "s", "simulated time at which a run failed"),
