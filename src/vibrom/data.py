@@ -22,6 +22,7 @@ KINDS: dict[str, frozenset[str]] = {
     "release": frozenset({"displacement"}),
     "trajectory": frozenset({"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}),
     "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
+    "effects": frozenset({"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}),
     "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
     "rom": frozenset({"outcome"}),
     "losses": frozenset({"train_total"}),

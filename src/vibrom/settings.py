@@ -31,6 +31,7 @@ class Settings:
     seeds: list[int]
     experiments: list[str]
     integrator: dict[str, float]
+    effects: dict[str, int]
     device: str
 
     def seed_folders(self, method: str) -> list[str]:
@@ -65,7 +66,7 @@ class Reader:
         scenes = {name: self.scene(name) for name in self.config["scenes"]}
         methods = {name: self.method(name) for name in self.config["methods"]}
         check_starts(methods, self.folder)
-        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "device")}
+        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "effects", "device")}
         return Settings(scenes=scenes, methods=methods, **plain)
 
     def file_of(self, *path: str | int) -> Path:

@@ -55,6 +55,12 @@ def test_a_model_that_could_not_be_fitted_says_why(collection, scores, name):
     assert "training diverged: the loss became infinite in epoch 7" in words
 
 
+def test_effects_that_cannot_be_left_out_say_who_needs_them(drawn):
+    words = said(drawn["effects_small"])
+    assert "needed by modal load" in words and "without rayleigh damping: decay NMTE 16 %" in words and "no convergence" in words
+    assert len(drawn["effects_small"].axes) == 3  # decay, forced run and seconds: of the others there is nothing to draw
+
+
 def test_panels_name_the_method_and_the_seed_that_is_drawn(drawn):
     words = said(drawn["decay_small"])
     assert "SPLIT, seed 0: 3 %" in words and "SPLIT+, seed 1: 1 %" in words and "Modal projection: 1.5 %" in words

@@ -22,13 +22,13 @@ class Run:
         self.folder = copy(folder, "src")
         self.results = self.folder / "results"
 
-    def snakemake(self, *arguments):
+    def snakemake(self, *arguments, overlays=()):
         overlay = ROOT / "tests/workflow/small_dag.yaml"
-        return command(self.folder, *arguments, "--configfile", str(overlay), PYTHONPATH=str(self.folder / "src"))
+        return command(self.folder, *arguments, "--configfile", str(overlay), *overlays, PYTHONPATH=str(self.folder / "src"))
 
-    def planned(self) -> dict[str, int]:
+    def planned(self, *overlays: str) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake("--dry-run", "--quiet", "rules")
+        plan = self.snakemake("--dry-run", "--quiet", "rules", overlays=overlays)
         assert plan.returncode == 0, plan.stdout + plan.stderr
         table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
         return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
@@ -79,6 +79,19 @@ def test_a_second_run_has_nothing_to_do(run):
 def test_list_shows_one_rule_a_method(run):
     listed = run.snakemake("--list").stdout.split()
     assert {f"fit_{method}" for method in SEEDED + FITTED_ONCE} <= set(listed)
+
+
+def test_effects_are_asked_without_any_reduced_model(run):
+    answer = run.snakemake("effects", "--dry-run", "--forceall", "--quiet", "rules")
+    jobs = set(re.findall(r"^(\w+) +\d+$", (answer.stdout + answer.stderr).partition("Job stats:")[2], re.MULTILINE)) - {"total"}
+    assert jobs == {"structure", "release", "full_order_effects", "effects_tables", "effects_figures", "effects"}
+
+
+def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
+    path = run.folder / "small_effects.yaml"
+    path.write_text("effects: {decay_periods: 3}\n")
+    jobs = run.planned(str(path))
+    assert set(jobs) == {"full_order_effects", "effects_tables", "effects_figures", "report", "tracking", "headline", "all"}
 
 
 def test_editing_a_method_runs_only_its_jobs_again(run):

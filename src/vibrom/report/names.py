@@ -1,6 +1,6 @@
 """The names of all tables and figures in reading order: the one list behind the workflow, the steps and the page."""
 
-TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "checks")
+TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "effects", "checks")
 TABLE_FORMATS = ("csv", "tex", "html")
 FIGURE_FORMATS = ("svg", "pdf", "png")
 
@@ -19,7 +19,20 @@ GROUPS = {
     "blow_up": "run",
     "frc_amplitude": "run",
     "frc_phase": "run",
+    "effects": "scene",
 }
+
+# Questions that are asked without any reduced model, and their tables and groups of figures: rules of their own make these.
+FAMILIES = {"effects": {"tables": ("effects",), "figures": ("effects",)}}
+
+
+def of_family(kind: str, family: str | None, names) -> list[str]:
+    """Those of the `names` of this kind (`tables` or `figures`) that a family makes; None: those that none does."""
+    def maker(name: str) -> str | None:
+        group = name if kind == "tables" else split(name)[0]
+        return next((family for family, made in FAMILIES.items() if group in made[kind]), None)
+
+    return [name for name in names if maker(name) == family]
 
 
 def figures(scenes) -> list[str]:

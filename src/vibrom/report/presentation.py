@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import escape
 
-from vibrom.report import curves, thesis
+from vibrom.report import curves, effects, thesis
 from vibrom.report.collection import FULL_ORDER
 
 GONE = "–"
@@ -28,6 +28,10 @@ WORDS = {
     "density_kg_per_m3": "Density [kg/m³]", "damping_ratio": "Damping ratio, first mode [–]",
     "element": "Element", "cells": "Cells", "elements": "Elements", "free_dofs": "Free dofs", "effects": "Effects",
     "omega_1_quadratic_rad_per_s": "ω1 with quadratic elements [rad/s]",
+    "left_out": "Left out", "decay_nmte_percent": "Decay NMTE [%]", "decay_frequency_rad_per_s": "Decay frequency [rad/s]",
+    "decay_amplitude_m": "Decay amplitude [m]", "forced_amplitude_m": "Forced amplitude [m]",
+    "microseconds_per_step_with": "Step with it [µs]", "microseconds_per_step_without": "Step without it [µs]", "seconds_ratio": "With / without",
+    "iterations_per_step": "Iterations a step",
     **{f"omega_{k}_rad_per_s": f"ω{k} [rad/s]" for k in range(1, 10)},
     **{f"{role}_probe_m": f"{role.capitalize()} release, probe [m]" for role in ("train", "test")},
     **{f"{role}_tip_m": f"{role.capitalize()} release, tip [m]" for role in ("train", "test")},
@@ -67,6 +71,13 @@ def folded(frame: pd.DataFrame, stem: str, digits: int = 4) -> list[str]:
     return cells
 
 
+def with_change(value: str, change: float) -> str:
+    """`0.3563 (+62 %)`; nothing beside a value that stays what it was to half a hundredth of a percent."""
+    if pd.isna(change) or abs(change) < 0.005:
+        return value
+    return f"{value} ({change:+.0f} %)" if abs(change) >= 10 else f"{value} ({change:+.2g} %)"
+
+
 def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
     """The printed form of a table, all text."""
     if name == "frc":
@@ -78,11 +89,13 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
         stem = column.removesuffix("_min").removesuffix("_max")
         if stem != column and stem in frame.columns or column == "thesis_outcome":
             continue
-        if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES:
-            continue  # printed in the cell of our own time
+        if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES or column.endswith(effects.CHANGE):
+            continue  # printed in the cell of our own time, or of what changes
         several = f"{column}_min" in frame.columns
         digits = 6 if name in ("eigenvalues", "checks") else 4  # they differ from one another in the fourth
         values = folded(frame, column, digits) if several else [number(value, digits) for value in frame[column]]
+        if column + effects.CHANGE in frame.columns:
+            values = [with_change(value, change) for value, change in zip(values, frame[column + effects.CHANGE])]
         if column == "method":
             values = [thesis.label(value) for value in frame[column]]
         if column == "nmte_percent":
@@ -113,6 +126,9 @@ def marks(name: str, frame: pd.DataFrame) -> list[str]:
         return [""] * len(on_its_side(frame))
     if name == "checks":
         return ["failed" if met == "no" else "" for met in frame["met"]]
+    if name == "effects":
+        return ["failed" if effects.failed(outcome) else "reference" if left_out == effects.WHOLE else ""
+                for outcome, left_out in zip(frame["outcome"], frame["left_out"])]
     rows = curves.summary(frame) if name == "frc" else frame
     classes = ["reference" if method == FULL_ORDER else "" for method in rows["method"]]
     return ["failed" if failed(str(outcome)) else other for outcome, other in zip(rows["outcome"], classes)]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from vibrom.report import beam, checks, curves, thesis
+from vibrom.report import beam, checks, curves, effects, thesis
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
@@ -23,6 +23,7 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
         "forced": lambda: errors("forced", "forced", collection, scores),
         "run_times": lambda: run_times(collection, scores),
         "frc": lambda: curves.table(collection),
+        "effects": lambda: effects.table(collection),
         "checks": lambda: checks.table(collection, scores),
     }
     if name not in builders:

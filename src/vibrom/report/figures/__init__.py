@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
-    accuracy_cost, backbones, blow_up, configurations, decay, final_shapes, forced, frc, losses, phase_portraits,
+    accuracy_cost, backbones, blow_up, configurations, decay, effects, final_shapes, forced, frc, losses, phase_portraits,
     release_states, style, trajectories,
 )
 from vibrom.report.scores import Scores
@@ -25,6 +25,7 @@ DRAW = {
     "blow_up": blow_up.draw,
     "frc_amplitude": frc.amplitude,
     "frc_phase": frc.phase,
+    "effects": effects.draw,
 }
 
 
