@@ -89,7 +89,10 @@ def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float,
     except (SceneError, RuntimeError):
         answer.outcome = "no_modes"
     if model.term.mass is None or not model.term.mass.diagonal().all():
-        answer.outcome, answer.forced_amplitude = "static", static_amplitude(model, forcing)
+        try:
+            answer.outcome, answer.forced_amplitude = "static", static_amplitude(model, forcing)
+        except SceneError:
+            answer.outcome = "no_equilibrium"
         return answer, model, None
     moved = decayed(model, origin + start, lengths["decay_periods"], Record(every=model.every, probes=probes), title)
     seen = moved.displacement[0] + model.rest - origin
@@ -124,7 +127,7 @@ def swing(x: np.ndarray, step: float) -> np.ndarray:
     found = np.full(len(x), np.nan)
     for index, one in enumerate(x):
         (before,) = np.nonzero(np.signbit(one[:-1]) != np.signbit(one[1:]))
-        if len(before) > 1:
+        if len(before) > 1 and np.isfinite(one).all():
             crossing = before - one[before] / (one[before + 1] - one[before])
             found[index] = np.pi * (len(crossing) - 1) / ((crossing[-1] - crossing[0]) * step)
     return found
@@ -134,10 +137,7 @@ def static_amplitude(model: FullOrder, forcing: float) -> np.ndarray:
     """Largest displacement (probes,) [m] under the load held at plus and minus its amplitude."""
     if model.term.load is None:
         return np.zeros(len(model.probes))
-    try:
-        ends = [static.equilibrium(model.term, signal, start=model.rest) for signal in (forcing, -forcing)]
-    except static.NoEquilibrium:
-        return np.full(len(model.probes), np.nan)
+    ends = [static.equilibrium(model.term, signal, start=model.rest) for signal in (forcing, -forcing)]
     return np.max([(end - model.rest)[model.probes] for end in ends], axis=0)
 
 
