@@ -37,6 +37,10 @@ class Settings:
         """`seed_0`, `seed_1`, ..., or `unseeded` for a method that is fitted once."""
         return [f"seed_{seed}" for seed in self.seeds] if self.methods[method]["seeded"] else [UNSEEDED]
 
+    def kind_of(self, method: str) -> str:
+        """The file of src/vibrom/methods behind a method: the one that a variant names, else that of its own name."""
+        return self.methods[method].get("method", method)
+
     def start_of(self, method: str, folder: str) -> tuple[str, str] | None:
         """Method and seed folder of the model that this one starts from."""
         start = self.methods[method].get("starts_from")
@@ -189,12 +193,17 @@ def check_method(name: str, method: dict[str, Any], place: Place) -> None:
     method["settings"] = method["settings"] or {}
     known = plugs.names("methods")
     if "rule" in method:
+        if "method" in method:
+            raise SettingsError(*place(("method",)), method["method"], "has no use beside `rule`, which fits the model; remove one of them")
         return  # an outside method reads its own settings
-    if name not in known:
+    if "method" in method:
+        if method["method"] not in known:
+            raise SettingsError(*place(("method",)), method["method"], f"is no file of src/vibrom/methods; {closest(method['method'], known)}")
+    elif name not in known:
         file, where = place(("settings",))
-        cure = f"belongs to no src/vibrom/methods/{name}.py; write that file, or give the `rule` of an outside method"
+        cure = f"belongs to no src/vibrom/methods/{name}.py; write that file, name the `method` of which it is a variant, or give the `rule` of an outside method"
         raise SettingsError(file, where, method["settings"], cure)
-    check_plug("methods", name, method["settings"], place, ("settings",))
+    check_plug("methods", method.get("method", name), method["settings"], place, ("settings",))
 
 
 def check_starts(methods: dict[str, dict[str, Any]], folder: Path) -> None:

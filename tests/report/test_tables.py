@@ -148,6 +148,12 @@ def test_points_where_the_full_order_failed_do_not_count_against_a_model():
     assert np.isnan(curves.summary(frame)["median_amplitude_error_percent"].iloc[1])
 
 
+def test_a_variant_is_called_after_its_method():
+    said = {"ssmlearn": "SSMLearn", "ssmlearn_11": "SSMLearn 11", "split_plus": "SPLIT+", "split_wide": "SPLIT wide", "pysindy_modal": "pysindy modal"}
+    assert {name: thesis.label(name) for name in said} == said
+    assert np.isnan(thesis.percent("decay", "small", "ssmlearn_11")[0])  # the thesis's number is that of order 3
+
+
 def test_files_in_all_formats_and_the_same_bytes_twice(tree, tmp_path):
     written = []
     for folder in ("first", "second"):

@@ -73,6 +73,9 @@ BAD = {
     "infinite": (SCENE, "body.length", float("inf"), ["body.length = inf", "finite number"]),
     "residual below rounding": (SCENE, "time.residual", 1e-12, ["time.residual = 1e-12", "at least 1e-08"]),
     "negative damping": (SCENE, "effects.rayleigh_damping.stiffness_factor", -1.0, ["stiffness_factor = -1.0", "at least 0"]),
+    "variant of nothing": (METHOD, "method", "splitt", ["method = 'splitt'", "is no file of src/vibrom/methods", "did you mean 'split'?"]),
+    "variant and rule": ("config/methods/pysindy_modal.yaml", "method", "split", ["method = 'split'", "beside `rule`", "remove one"]),
+    "setting of a variant": ("config/methods/ssmlearn_11.yaml", "settings.order_decode", 3, ["settings.order_decode = 3", "did you mean 'order_decoder'?"]),
     "start outside the run": (CONFIG, "methods", ["split_plus"], ["starts_from = 'split'", "add it to methods"]),
     "overlay of an unknown method": (
         CONFIG,

@@ -70,5 +70,7 @@ def test_seed_folders_and_starts(root):
     plain = load(root)
     assert plain.seed_folders("split") == ["seed_0", "seed_1", "seed_2"]
     assert plain.seed_folders("ssmlearn") == ["unseeded"]
+    assert plain.seed_folders("ssmlearn_11") == ["unseeded"]
+    assert [plain.kind_of(name) for name in ("ssmlearn", "ssmlearn_11", "pysindy_modal")] == ["ssmlearn", "ssmlearn", "pysindy_modal"]
     assert plain.start_of("split_plus", "seed_1") == ("split", "seed_1")
     assert plain.start_of("split", "seed_1") is None
