@@ -26,9 +26,9 @@ class Run:
         overlay = ROOT / "tests/workflow/small_dag.yaml"
         return command(self.folder, *arguments, "--configfile", str(overlay), PYTHONPATH=str(self.folder / "src"))
 
-    def planned(self) -> dict[str, int]:
+    def planned(self, *arguments: str) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake("--dry-run", "--quiet", "rules")
+        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules")
         assert plan.returncode == 0, plan.stdout + plan.stderr
         table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
         return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
@@ -91,7 +91,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     path.write_text(before)
     # Its variant is fitted by the same code.
     fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys(EXPERIMENTS, 2)
-    assert jobs == {**fits, **asked, **dict.fromkeys(SINKS, 1)}
+    assert jobs == {**fits, **asked, "cost_reduced": 1, **dict.fromkeys(SINKS, 1)}
     assert run.planned() == {}
 
 
@@ -101,7 +101,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, "cost_reduced", *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):
@@ -114,6 +114,17 @@ def test_a_part_of_the_scene_runs_only_what_reads_it(run):
     path.write_text(before)
     assert "structure" not in timed and timed["full_order_decay"] == 2
     assert described == {}
+
+
+def test_the_study_of_costs_is_a_target_of_its_own(run):
+    answer = run.snakemake("--cores", "1", "cost")
+    assert answer.returncode == 0 and "Nothing to be done" in answer.stdout + answer.stderr
+    path = run.folder / "config/config.yaml"
+    before = path.read_text()
+    path.write_text(before.replace("patience: 1.0", "patience: 1.5"))
+    jobs = run.planned("cost")
+    path.write_text(before)
+    assert jobs == {"cost_full_order": 1, "cost_reduced": 1, "tables": 1, "figures": 1, "cost": 1}
 
 
 def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):

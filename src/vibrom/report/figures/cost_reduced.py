@@ -28,6 +28,7 @@ def draw(collection, scores, scene=None) -> Figure:
         for column, question in enumerate(ASKED):
             for panel, price in zip(axes[2 * index:2 * index + 2, column], ("offline_s", f"{question}_s")):
                 handles = points(panel, group, price, f"{question}_error_percent", collection.methods) | handles
+            silent(axes[2 * index, column], group, f"{question}_error_percent")
             full = scores.spread(name, FULL_ORDER, "run_times", f"{question}_s", worst=False).median
             if np.isfinite(full):
                 mark(axes[2 * index + 1, column], full)
@@ -53,6 +54,14 @@ def points(panel, group, price: str, error: str, methods: list[str]) -> dict:
     if len(best):
         handles["Pareto front"] = panel.step(cost_of[best], error_of[best], where="post", color="0.6", linewidth=1.4, zorder=0)[0]
     return handles
+
+
+def silent(panel, group, error: str) -> None:
+    """Names, above the panel, the methods of which no setting has this answer."""
+    lost = [thesis.label(method) for method, mine in group.groupby("method", sort=False) if mine[error].isna().all()]
+    if lost:
+        lines = ["no setting has an answer:", *(", ".join(lost[first:first + 3]) for first in range(0, len(lost), 3))]
+        panel.set_title("\n".join([panel.get_title(loc="left"), *lines]).strip(), fontsize=6.5, weight="normal", style="italic")
 
 
 def mark(panel, full: float) -> None:

@@ -1,11 +1,12 @@
 """Error as training proceeds: each point is a model that was trained for so long; polynomial fits beside them, by order."""
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from vibrom.report import cost, thesis
 from vibrom.report.figures import panels, style
-from vibrom.report.figures.cost_reduced import ASKED
+from vibrom.report.figures.cost_reduced import ASKED, silent
 
 EPOCHS = ("epochs", "start.epochs")
 
@@ -24,16 +25,10 @@ def draw(collection, scores, scene=None) -> Figure:
     for row, name in zip(axes, known):
         row[0].set_title(name)
         for panel, question in zip(row, ASKED):
-            group = table[(table["case"] == name) & table[f"{question}_error_percent"].notna()]
+            group = table[table["case"] == name]
             for index, method in enumerate(collection.methods):
-                mine = series(group[group["method"] == method])
-                if len(mine):
-                    place = mine["fit_s"].to_numpy(float), mine[f"{question}_error_percent"].to_numpy(float)
-                    handles[thesis.label(method)] = panel.plot(*place, **style.look(index))[0]
-                    for x, y, said in zip(*place, mine["said"]):
-                        panel.annotate(said, (x, y), textcoords="offset points", xytext=(3, 3), fontsize=5.5, color="0.35")
-            if not len(group):
-                panels.words(panel, "no setting has an answer")
+                handles |= lines(panel, group[group["method"] == method], f"{question}_error_percent", index, thesis.label(method))
+            silent(panel, group, f"{question}_error_percent")
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
@@ -41,14 +36,16 @@ def draw(collection, scores, scene=None) -> Figure:
     return figure
 
 
-def series(mine):
-    """Of a method that trains its settings by length of training, with the model of the run; of one that does not those by order. `said` names each."""
+def lines(panel, mine: pd.DataFrame, error: str, index: int, label: str) -> dict:
+    """A line over the lengths of training, in epochs, or, of a method that does not train, over its orders; a large marker as configured. Failures are gaps."""
+    usual = mine[(mine["varied"] == cost.CONFIGURED) & mine[error].notna()]
     trained = mine[mine["varied"].isin(EPOCHS)]
-    if len(trained):
-        usual = mine[mine["varied"] == cost.CONFIGURED]
-        return pd.concat([trained.assign(said=trained["set_to"]), usual.assign(said="as configured")]).sort_values("fit_s")
-    by_order = mine[mine["varied"].str.startswith("order")]
-    if len(by_order):
-        return by_order.assign(said="p = " + by_order["set_to"])
-    usual = mine[mine["varied"] == cost.CONFIGURED]
-    return usual.assign(said="")
+    chosen = trained if len(trained) else mine[mine["varied"].str.startswith("order")]
+    large = style.look(index, linestyle="none", markersize=7, markeredgewidth=1.5)
+    handles = {label: panel.plot(usual["fit_s"], usual[error], **large)[0]} if len(usual) else {}
+    if chosen[error].notna().any():
+        handles[label] = panel.plot(chosen["fit_s"], chosen[error], **style.look(index))[0]
+    for x, y, said in zip(chosen["fit_s"], chosen[error], chosen["set_to"]):
+        if np.isfinite(y):
+            panel.annotate(said if len(trained) else f"p = {said}", (x, y), textcoords="offset points", xytext=(3, 3), fontsize=5.5, color="0.35")
+    return handles
