@@ -56,6 +56,7 @@ def test_the_repository_is_valid_with_every_overlay(root):
     literal = load(root, root / "config/thesis_literal.yaml")
     assert literal.methods["split"]["settings"]["epochs"] == 15000
     assert literal.scenes["small"]["time"]["every"] == 1
+    assert load(root, root / "config/cost_full.yaml").cost["scenes"] == ["small", "large", "folding"]
     load(root, root / "tests/workflow/small_dag.yaml")
 
 

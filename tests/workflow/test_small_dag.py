@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from project_copy import ROOT, command, copy
@@ -64,6 +65,31 @@ def test_every_table_figure_and_page_is_there(run):
     wanted += [f"figures/{name}.{form}" for name in names.figures(["folding"]) for form in names.FIGURE_FORMATS]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (run.results / name).stat().st_size > 0, name
+
+
+def test_the_study_of_costs_agrees_with_the_experiments(run):
+    study = open_dataset(run.results / "folding/full_order/cost_reduced.nc", "cost_reduced")
+    model, varied, value = (study[name].values for name in ("model", "varied", "value"))
+
+    def at(method, what="as configured", to=""):
+        (index,) = np.flatnonzero((model == method) & (varied == what) & (value == to))
+        return study.isel(setting=index)
+
+    scores = {"decay": "nmte_percent", "forced": "nmte_percent", "frc": "amplitude_error_median_percent"}
+    for folder in [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]:
+        row = at(folder.split("/")[0])
+        for question, score in scores.items():
+            answer = open_dataset(run.results / "folding" / folder / f"{question}.nc", question)
+            np.testing.assert_array_equal(row["error"].sel(question=question), answer["score_value"].sel(score=score))
+    # A fit with the settings that it has anyway is the same model.
+    np.testing.assert_array_equal(at("ssmlearn", "order_decoder, order_dynamics", "3")["error"], at("ssmlearn")["error"])
+    train = open_dataset(run.results / "folding/full_order/train.nc", "trajectory")
+    share = 2 * float(train["period"]) / float(train["time"][-1] - train["time"][0])
+    assert float(at("ssmlearn_11", "periods", "2")["data_seconds"]) == pytest.approx(share * float(train["seconds"]))
+    # A tolerance needs no new fit; a start that is trained anew does.
+    usual, loose, short = at("split_plus"), at("split_plus", "rtol", "0.001"), at("split_plus", "start.epochs", "1")
+    assert float(loose["mapping_seconds"]) == float(usual["mapping_seconds"]) != float(short["mapping_seconds"])
+    assert not np.array_equal(short["error"], usual["error"])
 
 
 def test_the_run_ends_with_the_headline(run):
