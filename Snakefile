@@ -65,6 +65,7 @@ include: "workflow/rules/resume.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
+include: "workflow/rules/cost.smk"
 include: "workflow/rules/results.smk"
 include: "workflow/rules/effects.smk"
 

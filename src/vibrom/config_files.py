@@ -187,4 +187,6 @@ def _expectation(validator: str, wanted: Any) -> str:
     if validator in ("minItems", "maxItems", "minProperties"):
         bound = "at most" if validator == "maxItems" else "at least"
         return f"{bound} {wanted} {'entry' if wanted == 1 else 'entries'} long"
+    if validator == "multipleOf":
+        return f"a multiple of {wanted}"
     return f"as {validator} {wanted} says"

@@ -24,6 +24,8 @@ KINDS: dict[str, frozenset[str]] = {
     "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
     "effects": frozenset({"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}),
     "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
+    "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
+    "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
     "rom": frozenset({"outcome"}),
     "losses": frozenset({"train_total"}),
     "reconstruction": frozenset({"error", "score_value"}),

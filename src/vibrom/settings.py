@@ -18,6 +18,8 @@ Place = Callable[[tuple], tuple[Path, tuple]]
 FULL_ORDER = "full_order"
 UNSEEDED = "unseeded"
 # What the type of a dataclass field means for a value of the configuration.
+# What the study of costs varies besides the settings of a method: see vibrom.steps.cost_reduced.
+STUDIED = {"thin": "int", "periods": "int", "rtol": "float"}
 TYPES = {"float": (int, float), "int": (int,), "str": (str,), "bool": (bool,)}
 
 
@@ -33,10 +35,15 @@ class Settings:
     integrator: dict[str, float]
     effects: dict[str, int]
     device: str
+    cost: dict[str, Any]
 
     def seed_folders(self, method: str) -> list[str]:
         """`seed_0`, `seed_1`, ..., or `unseeded` for a method that is fitted once."""
         return [f"seed_{seed}" for seed in self.seeds] if self.methods[method]["seeded"] else [UNSEEDED]
+
+    def kind_of(self, method: str) -> str:
+        """The file of src/vibrom/methods behind a method: the one that a variant names, else that of its own name."""
+        return self.methods[method].get("method", method)
 
     def start_of(self, method: str, folder: str) -> tuple[str, str] | None:
         """Method and seed folder of the model that this one starts from."""
@@ -66,7 +73,8 @@ class Reader:
         scenes = {name: self.scene(name) for name in self.config["scenes"]}
         methods = {name: self.method(name) for name in self.config["methods"]}
         check_starts(methods, self.folder)
-        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "effects", "device")}
+        self.check_cost(methods)
+        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "effects", "device", "cost")}
         return Settings(scenes=scenes, methods=methods, **plain)
 
     def file_of(self, *path: str | int) -> Path:
@@ -95,6 +103,34 @@ class Reader:
         method, place = self.block("methods", name, layers, depth=1)
         check_method(name, method, place)
         return method
+
+    def check_cost(self, methods: dict[str, dict[str, Any]]) -> None:
+        """Scenes and methods of the study are known, and the settings that it varies are those of the method."""
+        for index, name in enumerate(self.config["cost"]["scenes"]):
+            if name not in (known := self.stems("scenes")):
+                path = ("cost", "scenes", index)
+                raise SettingsError(self.file_of(*path), path, name, f"is no scene; {closest(name, known)}")
+        for name, blocks in self.config["cost"]["reduced"].items():
+            path = ("cost", "reduced", name)
+            if name not in (known := self.stems("methods")):
+                raise SettingsError(self.file_of(*path), path, blocks, f"is no method; {closest(name, known)}")
+            for index, block in enumerate(blocks if name in methods else ()):
+                for key in block["vary"]:
+                    self.check_varied(methods, name, key, block["over"], (*path, index))
+
+    def check_varied(self, methods: dict[str, dict[str, Any]], name: str, key: str, values: list, path: tuple) -> None:
+        """A setting that the study varies: of the method, of the one that it starts from, or one of the study's own (`STUDIED`)."""
+        start = methods[name].get("starts_from")
+        which, own = (start, key.removeprefix("start.")) if key.startswith("start.") and start else (name, key)
+        outside = "rule" in methods[which]
+        known = {} if outside else {field: entry.annotation for field, entry in plugs.settings_of("methods", methods[which].get("method", which)).items()}
+        known |= {"rtol": "float"} if outside else STUDIED if which == name else {}
+        if own not in known:
+            raise SettingsError(self.file_of(*path), (*path, "vary"), key, f"is no setting of {which}; {closest(own, list(known))}")
+        wanted = TYPES.get(known[own])
+        for value in values:
+            if wanted and (not isinstance(value, wanted) or isinstance(value, bool) and bool not in wanted or own in STUDIED and value <= 0):
+                raise SettingsError(self.file_of(*path), (*path, "over"), value, f"must be a value of {key}, of type {known[own]}; write such a value")
 
     def block(self, kind: str, name: str, layers: dict[tuple, dict], depth: int) -> tuple[dict[str, Any], Place]:
         """A scene or method: its file with `layers` of the configuration on it, which start `depth` keys below."""
@@ -190,12 +226,17 @@ def check_method(name: str, method: dict[str, Any], place: Place) -> None:
     method["settings"] = method["settings"] or {}
     known = plugs.names("methods")
     if "rule" in method:
+        if "method" in method:
+            raise SettingsError(*place(("method",)), method["method"], "has no use beside `rule`, which fits the model; remove one of them")
         return  # an outside method reads its own settings
-    if name not in known:
+    if "method" in method:
+        if method["method"] not in known:
+            raise SettingsError(*place(("method",)), method["method"], f"is no file of src/vibrom/methods; {closest(method['method'], known)}")
+    elif name not in known:
         file, where = place(("settings",))
-        cure = f"belongs to no src/vibrom/methods/{name}.py; write that file, or give the `rule` of an outside method"
+        cure = f"belongs to no src/vibrom/methods/{name}.py; write that file, name the `method` of which it is a variant, or give the `rule` of an outside method"
         raise SettingsError(file, where, method["settings"], cure)
-    check_plug("methods", name, method["settings"], place, ("settings",))
+    check_plug("methods", method.get("method", name), method["settings"], place, ("settings",))
 
 
 def check_starts(methods: dict[str, dict[str, Any]], folder: Path) -> None:

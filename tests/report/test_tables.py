@@ -148,13 +148,19 @@ def test_points_where_the_full_order_failed_do_not_count_against_a_model():
     assert np.isnan(curves.summary(frame)["median_amplitude_error_percent"].iloc[1])
 
 
+def test_a_variant_is_called_after_its_method():
+    said = {"ssmlearn": "SSMLearn", "ssmlearn_11": "SSMLearn 11", "split_plus": "SPLIT+", "split_wide": "SPLIT wide", "pysindy_modal": "pysindy modal"}
+    assert {name: thesis.label(name) for name in said} == said
+    assert np.isnan(thesis.percent("decay", "small", "ssmlearn_11")[0])  # the thesis's number is that of order 3
+
+
 def test_files_in_all_formats_and_the_same_bytes_twice(tree, tmp_path):
     written = []
     for folder in ("first", "second"):
         paths = [str(tmp_path / folder / f"{name}.{form}") for name in names.TABLES for form in names.TABLE_FORMATS]
         step.run(scores=tree.scores, artefacts=tree.artefacts, tables=paths, provenance={"source_digest": "feed"})
         written.append({path.split("/")[-1]: open(path, "rb").read() for path in paths})
-    assert written[0] == written[1] and len(written[0]) == 27
+    assert written[0] == written[1] and len(written[0]) == 3 * len(names.TABLES)
     assert b"\\toprule" in written[0]["forced.tex"] and b"diverged" in written[0]["forced.tex"]
     html = written[0]["forced.html"].decode()
     assert "<table" in html and "ok 2, diverged 1" in html and 'class="failed"' in html and "http" not in html

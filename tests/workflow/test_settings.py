@@ -56,6 +56,7 @@ def test_the_repository_is_valid_with_every_overlay(root):
     literal = load(root, root / "config/thesis_literal.yaml")
     assert literal.methods["split"]["settings"]["epochs"] == 15000
     assert literal.scenes["small"]["time"]["every"] == 1
+    assert load(root, root / "config/cost_full.yaml").cost["scenes"] == ["small", "large", "folding"]
     load(root, root / "tests/workflow/small_dag.yaml")
 
 
@@ -76,5 +77,7 @@ def test_seed_folders_and_starts(root):
     plain = load(root)
     assert plain.seed_folders("split") == ["seed_0", "seed_1", "seed_2"]
     assert plain.seed_folders("ssmlearn") == ["unseeded"]
+    assert plain.seed_folders("ssmlearn_11") == ["unseeded"]
+    assert [plain.kind_of(name) for name in ("ssmlearn", "ssmlearn_11", "pysindy_modal")] == ["ssmlearn", "ssmlearn", "pysindy_modal"]
     assert plain.start_of("split_plus", "seed_1") == ("split", "seed_1")
     assert plain.start_of("split", "seed_1") is None

@@ -3,6 +3,7 @@
 import json
 import re
 
+import numpy as np
 import pytest
 
 from project_copy import ROOT, command, copy
@@ -10,7 +11,7 @@ from vibrom.data import KINDS, open_dataset
 from vibrom.report import names
 
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
-FITTED_ONCE = ("modal_projection", "ssmlearn", "pysindy_modal")
+FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
 SINKS = {"scores", "tables", "figures", "report", "tracking", "headline", "all"}
 
@@ -26,9 +27,9 @@ class Run:
         overlay = ROOT / "tests/workflow/small_dag.yaml"
         return command(self.folder, *arguments, "--configfile", str(overlay), *overlays, PYTHONPATH=str(self.folder / "src"))
 
-    def planned(self, *overlays: str) -> dict[str, int]:
+    def planned(self, *arguments: str, overlays=()) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake("--dry-run", "--quiet", "rules", overlays=overlays)
+        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules", overlays=overlays)
         assert plan.returncode == 0, plan.stdout + plan.stderr
         table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
         return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
@@ -66,6 +67,31 @@ def test_every_table_figure_and_page_is_there(run):
         assert (run.results / name).stat().st_size > 0, name
 
 
+def test_the_study_of_costs_agrees_with_the_experiments(run):
+    study = open_dataset(run.results / "folding/full_order/cost_reduced.nc", "cost_reduced")
+    model, varied, value = (study[name].values for name in ("model", "varied", "value"))
+
+    def at(method, what="as configured", to=""):
+        (index,) = np.flatnonzero((model == method) & (varied == what) & (value == to))
+        return study.isel(setting=index)
+
+    scores = {"decay": "nmte_percent", "forced": "nmte_percent", "frc": "amplitude_error_median_percent"}
+    for folder in [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]:
+        row = at(folder.split("/")[0])
+        for question, score in scores.items():
+            answer = open_dataset(run.results / "folding" / folder / f"{question}.nc", question)
+            np.testing.assert_array_equal(row["error"].sel(question=question), answer["score_value"].sel(score=score))
+    # A fit with the settings that it has anyway is the same model.
+    np.testing.assert_array_equal(at("ssmlearn", "order_decoder, order_dynamics", "3")["error"], at("ssmlearn")["error"])
+    train = open_dataset(run.results / "folding/full_order/train.nc", "trajectory")
+    share = 2 * float(train["period"]) / float(train["time"][-1] - train["time"][0])
+    assert float(at("ssmlearn_11", "periods", "2")["data_seconds"]) == pytest.approx(share * float(train["seconds"]))
+    # A tolerance needs no new fit; a start that is trained anew does.
+    usual, loose, short = at("split_plus"), at("split_plus", "rtol", "0.001"), at("split_plus", "start.epochs", "1")
+    assert float(loose["mapping_seconds"]) == float(usual["mapping_seconds"]) != float(short["mapping_seconds"])
+    assert not np.array_equal(short["error"], usual["error"])
+
+
 def test_the_run_ends_with_the_headline(run):
     headline = (run.results / "headline.txt").read_text().splitlines()[0]
     assert headline in run.answer.stdout
@@ -90,7 +116,7 @@ def test_effects_are_asked_without_any_reduced_model(run):
 def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
     path = run.folder / "small_effects.yaml"
     path.write_text("effects: {decay_periods: 3}\n")
-    jobs = run.planned(str(path))
+    jobs = run.planned(overlays=(str(path),))
     assert set(jobs) == {"full_order_effects", "effects_tables", "effects_figures", "report", "tracking", "headline", "all"}
 
 
@@ -102,7 +128,9 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     path.write_text(before.replace("order_dynamics: int = 3", "order_dynamics: int = 5"))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_ssmlearn", *EXPERIMENTS, *SINKS} and set(jobs.values()) == {1}
+    # Its variant is fitted by the same code.
+    fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys(EXPERIMENTS, 2)
+    assert jobs == {**fits, **asked, "cost_reduced": 1, **dict.fromkeys(SINKS, 1)}
     assert run.planned() == {}
 
 
@@ -112,7 +140,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, "cost_reduced", *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):
@@ -125,6 +153,17 @@ def test_a_part_of_the_scene_runs_only_what_reads_it(run):
     path.write_text(before)
     assert "structure" not in timed and timed["full_order_decay"] == 2
     assert described == {}
+
+
+def test_the_study_of_costs_is_a_target_of_its_own(run):
+    answer = run.snakemake("--cores", "1", "cost")
+    assert answer.returncode == 0 and "Nothing to be done" in answer.stdout + answer.stderr
+    path = run.folder / "config/config.yaml"
+    before = path.read_text()
+    path.write_text(before.replace("patience: 1.0", "patience: 1.5"))
+    jobs = run.planned("cost")
+    path.write_text(before)
+    assert jobs == {"cost_full_order": 1, "cost_reduced": 1, "tables": 1, "figures": 1, "cost": 1}
 
 
 def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):

@@ -28,7 +28,7 @@ def experiment_code(experiment):
     def attributes(wildcards):
         method = getattr(wildcards, "method", None)
         outside = METHODS[method].get("rom_class") if method else None
-        model = [outside.split(":")[0].removeprefix("vibrom.")] if outside else [f"methods.{method}"] if method else []
+        model = [outside.split(":")[0].removeprefix("vibrom.")] if outside else [f"methods.{SETTINGS.kind_of(method)}"] if method else []
         return code("experiment", f"experiments.{experiment}", *model)
 
     return attributes

@@ -1,4 +1,4 @@
-# One rule a method, made from the configuration: fit_split, fit_ssmlearn, ...
+# One rule a method, made from the configuration: fit_split, fit_ssmlearn, ...; variants of a method (ssmlearn_11) have rules of their own.
 # A method whose block names a rule file brings its own rule instead; that rule writes the same rom.nc and losses.nc.
 import hashlib
 
@@ -17,7 +17,7 @@ def checkpoint(method):
     """Where an interrupted training goes on from; another scene, setting or code begins anew, in its own file."""
 
     def path(wildcards, output):
-        recipe = (SCENES[wildcards.scene], METHODS[method], code("fit", f"methods.{method}"))
+        recipe = (SCENES[wildcards.scene], METHODS[method], code("fit", f"methods.{SETTINGS.kind_of(method)}"))
         key = hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]
         return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
 
@@ -50,11 +50,12 @@ for METHOD, BLOCK in METHODS.items():
             step="fit",
             scene_name="{scene}",
             method=METHOD,
+            kind=SETTINGS.kind_of(METHOD),
             settings=BLOCK["settings"],
             seed=seed_of,
             device=SETTINGS.device,
             checkpoint=checkpoint(METHOD),
-            provenance=code("fit", f"methods.{METHOD}"),
+            provenance=code("fit", f"methods.{SETTINGS.kind_of(METHOD)}"),
         threads: BLOCK.get("resources", {}).get("threads", 1)
         resources:
             **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},

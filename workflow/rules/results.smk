@@ -18,7 +18,7 @@ FITTED = [f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name 
 FULL_ORDER_FILES = [
     f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in SCENES for name in FULL_ORDER_NAMES
 ]
-ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS
+ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS + COST_ARTEFACTS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
 
 
@@ -162,3 +162,12 @@ rule headline:
         "headline numbers"
     script:
         "../scripts/step.py"
+
+
+rule cost:
+    localrule: True
+    input:
+        [f"<results>/tables/{name}.csv" for name in TABLES if name.startswith(("cost_", "cheapest", "break_even"))],
+        [f"<results>/figures/{name}.svg" for name in figure_names(SCENES) if name.startswith("cost_")],
+    message:
+        "what accuracy costs in time: tables cost_full_order, cost_reduced, cheapest and break_even, figures cost_*"

@@ -1,6 +1,9 @@
 """The names of all tables and figures in reading order: the one list behind the workflow, the steps and the page."""
 
-TABLES = ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "effects", "checks")
+TABLES = (
+    "beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "cost_full_order", "cost_reduced", "cheapest", "break_even", "effects",
+    "checks",
+)
 TABLE_FORMATS = ("csv", "tex", "html")
 FIGURE_FORMATS = ("svg", "pdf", "png")
 
@@ -19,6 +22,9 @@ GROUPS = {
     "blow_up": "run",
     "frc_amplitude": "run",
     "frc_phase": "run",
+    "cost_full_order": "run",
+    "cost_reduced": "run",
+    "cost_training": "run",
     "effects": "scene",
 }
 

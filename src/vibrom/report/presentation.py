@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import escape
 
-from vibrom.report import curves, effects, thesis
+from vibrom.report import cost, curves, effects, thesis
 from vibrom.report.collection import FULL_ORDER
 
 GONE = "–"
@@ -23,6 +23,14 @@ WORDS = {
     "decay_s": "Decay [s]", "forced_s": "Forced run [s]", "frc_s": "Response curve [s]",
     "points": "Points", "points_with_value": "With a value", "peak_probe_amplitude_m": "Peak of the probe [m]",
     "peak_omega_rad_per_s": "at [rad/s]", "median_amplitude_error_percent": "Median amplitude error [%]",
+    "study": "Varied", "columns": "Columns", "rows": "Rows", "steps_per_period": "Steps a period", "alpha": "Numerical damping [–]",
+    "initial_acceleration": "Initial acceleration", "residual": "Residual [–]", "seed": "Seed", "varied": "Varied", "set_to": "Set to", "target_percent": "Error wanted [%]",
+    "error_percent": "Error [%]", "setting": "Cheapest setting", "question": "Asked for",
+    "decay_error_percent": "Decay [%]", "forced_error_percent": "Forced run [%]", "frc_error_percent": "Response curve [%]",
+    "omega_1_error_percent": "ω1 [%]", "response_error_percent": "Forced amplitude [%]", "assembly_s": "Assembly, modes [s]", "response_s": "Forced run [s]",
+    "data_s": "Training data [s]", "mapping_s": "Mapping [s]", "dynamics_s": "Dynamics [s]", "offline_s": "Offline [s]", "online_s": "Online [s]",
+    "decays": "Decays", "forced_runs": "Forced runs", "sweeps": "Response curves",
+    **{f"thesis_{name}": f"Thesis: {said}" for name, said in (("offline_s", "offline [s]"), ("decays", "decays"), ("forced_runs", "forced runs"), ("sweeps", "response curves"))},
     "length_m": "Length [m]", "height_m": "Height [m]", "width_m": "Width [m]",
     "young_modulus_pa": "Young's modulus [Pa]", "poisson_ratio": "Poisson's ratio [–]",
     "density_kg_per_m3": "Density [kg/m³]", "damping_ratio": "Damping ratio, first mode [–]",
@@ -87,7 +95,7 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
     out: dict[str, list[str]] = {}
     for column in frame.columns:
         stem = column.removesuffix("_min").removesuffix("_max")
-        if stem != column and stem in frame.columns or column == "thesis_outcome":
+        if stem != column and stem in frame.columns or column.endswith("_outcome"):
             continue
         if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES or column.endswith(effects.CHANGE):
             continue  # printed in the cell of our own time, or of what changes
@@ -106,6 +114,14 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
         if column == "thesis_percent":
             verdicts = frame["thesis_outcome"].fillna("")
             values = [verdict or value for value, verdict in zip(values, verdicts)]
+        asked = column.removesuffix("_error_percent")
+        if asked != column and f"{asked}_outcome" in frame.columns:  # where there is no value the cell says why
+            why = frame[f"{asked}_outcome"].fillna(GONE)
+            values = [word if value == GONE else value for value, word in zip(values, why)]
+        if name == "break_even" and column in cost.QUESTIONS.values():
+            values = [printed(value) for value in frame[column]]
+        if name == "break_even":
+            values = ["never" if value == "inf" else value for value in values]
         if f"thesis_{column}" in frame.columns and column in thesis.RUN_TIMES:
             published = frame[f"thesis_{column}"]
             values = [text if pd.isna(old) else f"{text} [{printed(old)}]" for text, old in zip(values, published)]
@@ -136,7 +152,7 @@ def marks(name: str, frame: pd.DataFrame) -> list[str]:
 
 def failed(tally: str) -> bool:
     """Whether `ok 2, diverged 1` names an ending without a value."""
-    return any(part.rstrip("0123456789 ") not in ("ok", "left_range", "not run") for part in tally.split(", "))
+    return any(part.rstrip("0123456789 ") not in ("ok", "left_range", "not run", "not reached") for part in tally.split(", "))
 
 
 def to_html(name: str, frame: pd.DataFrame) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from vibrom.report import beam, checks, curves, effects, thesis
+from vibrom.report import beam, checks, cost, curves, effects, thesis
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
@@ -23,6 +23,10 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
         "forced": lambda: errors("forced", "forced", collection, scores),
         "run_times": lambda: run_times(collection, scores),
         "frc": lambda: curves.table(collection),
+        "cost_full_order": lambda: cost.full_order(collection),
+        "cost_reduced": lambda: cost.reduced(collection),
+        "cheapest": lambda: cost.cheapest_settings(collection),
+        "break_even": lambda: cost.break_evens(collection, scores),
         "effects": lambda: effects.table(collection),
         "checks": lambda: checks.table(collection, scores),
     }

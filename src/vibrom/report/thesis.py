@@ -33,8 +33,9 @@ RUN_TIMES = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s"
 
 
 def label(method: str) -> str:
-    """The thesis's name of a method; a method that it does not know keeps its own."""
-    return LABELS.get(method, method.replace("_", " "))
+    """The thesis's name of a method, a variant's with what its own name adds (`SSMLearn 11`); a method that it does not know keeps its own."""
+    known = max((name for name in LABELS if f"{method}_".startswith(f"{name}_")), key=len, default="")
+    return LABELS.get(known, "") + method.removeprefix(known).replace("_", " ")
 
 
 @cache

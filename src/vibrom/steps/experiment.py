@@ -26,7 +26,7 @@ def run(*, output: str, experiment: str, scene_name: str, method: str, seed: int
     else:
         if "rom" in loaded and experiment != "run_times":
             loaded["rom"] = rom_from_dataset(loaded["rom"])
-            module.predict({**loaded, **_shortened(loaded)}, settings)  # warms caches up; what is timed is the second call
+            module.predict({**loaded, **shortened(loaded)}, settings)  # warms caches up; what is timed is the second call
         prediction = quickest(module, loaded, settings)
     save_dataset(label(prediction, experiment, scene=scene_name, method=method, seed=seed, settings=json.dumps(integrator, sort_keys=True)),
                  output, provenance)
@@ -41,7 +41,7 @@ def quickest(module, artefacts: dict, settings: Integrator) -> xr.Dataset:
     return best.assign(seconds=best["seconds"].copy(data=min(seconds)))
 
 
-def _shortened(loaded: dict) -> dict:
+def shortened(loaded: dict) -> dict:
     """The same artefacts with a few samples, two periods or one frequency."""
     short = {}
     for name, dims in (("test", {"time": slice(0, 50)}), ("forced", {"time": slice(0, 50), "last_time": slice(0, 1)}),

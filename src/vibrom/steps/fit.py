@@ -74,7 +74,7 @@ class FileMonitor(Monitor):
             self._bar.__exit__(None, None, None)
 
 
-def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_name: str, method: str, settings: dict, seed: int | None,
+def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_name: str, method: str, kind: str | None = None, settings: dict, seed: int | None,
         device: str, provenance: dict, start: str | None = None, checkpoint: str | None = None) -> None:
     known = open_dataset(structure, "structure")
     monitor = FileMonitor(checkpoint, f"{scene_name}: {method}" + ("" if seed is None else f", seed {seed}"))
@@ -88,7 +88,7 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
         outcome, reason = str(begun["outcome"].item()), f"the model that it starts from: {begun.attrs['reason']}"
     else:
         try:
-            chosen = method_from_settings(method, settings)
+            chosen = method_from_settings(kind or method, settings)
         except MethodError as error:
             raise MethodError(f"config/methods/{method}.yaml: settings: {error}") from error
         skipped = chosen.skip({block: json.loads(known.attrs[block]) for block in ("body", "effects")})

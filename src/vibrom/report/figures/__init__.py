@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
-    accuracy_cost, backbones, blow_up, configurations, decay, effects, final_shapes, forced, frc, losses, phase_portraits,
-    release_states, style, trajectories,
+    accuracy_cost, backbones, blow_up, configurations, cost_full_order, cost_reduced, cost_training, decay, effects, final_shapes, forced, frc,
+    losses, phase_portraits, release_states, style, trajectories,
 )
 from vibrom.report.scores import Scores
 
@@ -26,6 +26,9 @@ DRAW = {
     "frc_amplitude": frc.amplitude,
     "frc_phase": frc.phase,
     "effects": effects.draw,
+    "cost_full_order": cost_full_order.draw,
+    "cost_reduced": cost_reduced.draw,
+    "cost_training": cost_training.draw,
 }
 
 

@@ -1,0 +1,85 @@
+# What accuracy costs in time: settings of the full-order model and of the methods, one job a scene for each.
+# A target of its own (`snakemake cost`), and part of the run; what is studied is said by `cost` in the configuration.
+COST = SETTINGS.cost
+COST_SCENES = [scene for scene in COST["scenes"] if scene in SCENES]
+COST_ARTEFACTS = [f"<results>/{scene}/{settings.FULL_ORDER}/cost_{what}.nc" for scene in COST_SCENES for what in ("full_order", "reduced")]
+
+
+def models_of(wildcards):
+    """Every fitted model of the scene."""
+    return [f"<results>/{wildcards.scene}/{method}/{seed}/rom.nc" for method in METHODS for seed in SETTINGS.seed_folders(method)]
+
+
+def studied_methods():
+    """What the study needs to fit a method with other settings: of those that it varies, and of those that they start from."""
+    return {
+        method: {
+            "kind": SETTINGS.kind_of(method),
+            "settings": block["settings"],
+            "seeded": block["seeded"],
+            "start": block.get("starts_from"),
+        }
+        for method, block in METHODS.items()
+        if "rule" not in block or method in COST["reduced"]
+    }
+
+
+def model_code():
+    """The modules behind every model of the run."""
+    outside = [block["rom_class"].split(":")[0].removeprefix("vibrom.") for block in METHODS.values() if "rule" in block]
+    return sorted({*outside, *(f"methods.{SETTINGS.kind_of(method)}" for method, block in METHODS.items() if "rule" not in block)})
+
+
+rule cost_full_order:
+    input:
+        structure=rules.structure.output.structure,
+        release=rules.release.output.release,
+    output:
+        cost="<results>/{scene}/full_order/cost_full_order.nc",
+    log:
+        "<logs>/{scene}/full_order/cost_full_order.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/cost_full_order.tsv"
+    params:
+        scene=scene_part("decay", "forced", "time"),
+        settings=COST["full_order"],
+        repeats=COST["repeats"],
+        patience=COST["patience"],
+        provenance=full_order_code("cost_full_order"),
+    threads: 1
+    priority: 55
+    message:
+        "{wildcards.scene}: what the accuracy of the full-order model costs"
+    script:
+        "../scripts/step.py"
+
+
+rule cost_reduced:
+    input:
+        **{
+            name: f"<results>/{{scene}}/{settings.FULL_ORDER}/{name}.nc"
+            for name in ("structure", "train", "test", "forced", "frc")
+        },
+        models=models_of,
+    output:
+        cost="<results>/{scene}/full_order/cost_reduced.nc",
+    log:
+        "<logs>/{scene}/full_order/cost_reduced.log",
+    benchmark:
+        "<benchmarks>/{scene}/full_order/cost_reduced.tsv"
+    params:
+        scene_name="{scene}",
+        methods=studied_methods(),
+        settings=COST["reduced"],
+        seed=SETTINGS.seeds[0],
+        device=SETTINGS.device,
+        integrator=SETTINGS.integrator,
+        repeats=COST["repeats"],
+        patience=COST["patience"],
+        provenance=code("cost_reduced", *(f"experiments.{name}" for name in ("decay", "forced", "frc")), *model_code()),
+    threads: 1
+    priority: 45
+    message:
+        "{wildcards.scene}: what the accuracy of the reduced models costs"
+    script:
+        "../scripts/step.py"
