@@ -4,11 +4,12 @@
     residual  the tolerance of the Newton iteration, at the scene's own N without numerical damping
     mesh      elements and cells
 
-Errors in time are NMTEs of the decay from the test release and of the last period of a forced run from rest, against the same mesh with the smallest step, no numerical
-damping and the tightest tolerance. That reference is run with 1, 2 and 4 times its step: q(2h) - q(h) over 2^p - 1 is its own error (Richardson), p being its
-observed order, 2 at most. Meshes are compared by what does not depend on one: the first frequency, and the largest modal coordinate |phi' M q| of the last period of a run that is forced at
-each mesh's own damped first frequency, with as many steps to its period. Their reference is the finest mesh, whose own error is taken to be its distance from the mesh
-half as fine (as for order one; corners of the clamped edge are singular).
+Errors in time are NMTEs of the decay from the test release and of the last period of a forced run from rest, against the same mesh with the
+smallest step, no numerical damping and the tightest tolerance. That reference is run with 1, 2 and 4 times its step: q(2h) - q(h) over
+2^p - 1 is its own error (Richardson), p being its observed order, 2 at most. Meshes are compared by what does not depend on one: the first
+frequency, and the largest modal coordinate |phi' M q| of the last period of a run that is forced at each mesh's own damped first frequency,
+with as many steps to its period. Their reference is the finest mesh, whose own error is taken to be its distance from the mesh half as fine
+(as for order one; the corners of the clamped edge are singular).
 """
 
 from dataclasses import dataclass, field, replace
@@ -63,7 +64,8 @@ def run(*, structure: str, release: str, cost: str, scene: dict, settings: dict,
     for question in questions.values():  # compiles and warms up
         motion(with_time(model, SAMPLES, 0.0, 1e-3), replace(question, start=0.0 * start, periods=1, forcing=1e-6 * question.forcing))
     references, own = in_time_references(model, questions, settings["reference"])
-    rows = [time_row(study, setting, scene["body"], questions, references, repeats, patience) for study, setting in time_settings(model, settings)]
+    rows = [time_row(study, setting, scene["body"], questions, references, repeats, patience)
+            for study, setting in time_settings(model, settings)]
     mesh_rows, mesh_own = meshes(scene, settings, repeats, patience)
     dataset = as_dataset(rows + mesh_rows, own | mesh_own)
     save_dataset(label(dataset, "cost_full_order", scene=model.name, method="full_order", settings=settings, hardware=description(),

@@ -1,8 +1,8 @@
 """Full-order data and fitted models -> cost_reduced.nc: error and seconds of reduced models, setting by setting.
 
-Every model of the run is asked as it was configured. Then one setting after the other is varied, the others being those of config/methods. Besides the method's own
-settings: `thin` (train on every k-th sample), `periods` (on the first k periods of the training decay, whose share of the simulation counts), `start.<setting>` (of the method
-that this one starts from) and `rtol` (of the integrator; atol a hundredth of it). Each model is asked the test decay, the forced run and the response curve of the scene,
+Every model of the run is asked as it was configured. Then one setting after the other is varied, the others being those of config/methods. Besides the
+method's own settings: `thin` (train on every k-th sample), `periods` (on the first k periods of the training decay, whose share of the simulation counts),
+`start.<setting>` (of the method that this one starts from) and `rtol` (of the integrator; atol a hundredth of it). Each model is asked the test decay, the forced run and the response curve of the scene,
 with the errors of those experiments: NMTE, NMTE of the last period, median error of the amplitude.
 
 Offline seconds are those of the training data, the mapping (that of a model to start from included) and the dynamics; online ones those of one answer. All are medians of
@@ -20,11 +20,12 @@ import xarray as xr
 
 from vibrom import experiments
 from vibrom.data import UNSEEDED, label, open_dataset, save_dataset, variable
+from vibrom.hardware import description
 from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
+from vibrom.progress import bar
 from vibrom.rollout import Integrator
 from vibrom.rom import Monitor, Rom, Training, TrainingDiverged, Trajectory, method_from_settings, rom_from_dataset
-from vibrom.hardware import description
 from vibrom.steps.experiment import KINDS, REFERENCE_FAILED, shortened
 from vibrom.work_precision import repeated
 
@@ -77,14 +78,13 @@ def run(*, structure: str, train: str, test: str, forced: str, frc: str, models:
     """`methods`: name -> kind (file of vibrom.methods), settings, seeded, and start, the method that it starts from."""
     paths = {"structure": structure, "train": train, "test": test, "forced": forced, "frc": frc}
     study = Study({name: open_dataset(path, KINDS.get(name, name)) for name, path in paths.items()}, methods, seed, device, Integrator(**integrator), repeats, patience)
-    rows = [study.configured(path) for path in models]
-    for method, blocks in settings.items():
-        if method not in methods:
-            continue  # varied where it takes part
-        for block in blocks:
-            for value in block["over"]:
-                print(f"{scene_name}: {method}: {', '.join(block['vary'])} = {value}", flush=True)
-                rows.append(study.varied(method, dict.fromkeys(block["vary"], value)))
+    # A method is varied where it takes part in the run.
+    wanted = [(method, dict.fromkeys(block["vary"], value)) for method in settings if method in methods for block in settings[method] for value in block["over"]]
+    rows = []
+    with bar(f"{scene_name}: what the methods cost", len(models) + len(wanted), "settings") as advance:
+        for ask, given in [(study.configured, (path,)) for path in models] + [(study.varied, pair) for pair in wanted]:
+            rows.append(ask(*given))
+            advance(1)
     save_dataset(label(as_dataset(rows), "cost_reduced", scene=scene_name, method="full_order", settings=settings, hardware=description()), cost, provenance)
 
 
@@ -139,8 +139,9 @@ class Study:
         motion, share = self.selected(**data)
         seconds = float(self.artefacts["train"]["seconds"]) * share
         before = 0.0 if start is None else start.mapping
-        if start is not None and start.rom is None:
-            return Fitted(None, start.outcome, seconds, before, 0.0)
+        unfit = REFERENCE_FAILED if str(self.artefacts["train"]["outcome"].item()) != "ok" else "ok" if start is None else start.outcome
+        if unfit != "ok":
+            return Fitted(None, unfit, seconds, before, 0.0)
         method = method_from_settings(kind, settings)
         skipped = method.skip({block: json.loads(self.artefacts["structure"].attrs[block]) for block in ("body", "effects")})
         if skipped:
