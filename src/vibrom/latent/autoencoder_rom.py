@@ -10,7 +10,7 @@ the load; `encoder` with w'(q) M^-1 p at q = v(z).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -18,9 +18,10 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
+from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import continued
 from vibrom.latent.polynomial import exponents, monomials
-from vibrom.rom import MethodError, Rom, array_field
+from vibrom.rom import Guards, MethodError, Rom, Training, array_field
 
 if TYPE_CHECKING:
     from vibrom.solvers.field import Field
@@ -202,3 +203,10 @@ class AutoencoderRom(Rom):
             return Field(drift)
         load, mass = self._load(p), self._reduced_mass if self.force_rule == "decoder_mass" else None
         return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass))
+
+    def guarded(self, guards: Guards, training: Training) -> AutoencoderRom:
+        if not guards.dissipative:
+            return replace(self, extrapolation=guards.extrapolation)
+        motion, rate = self.encode_motion(*(training.joined(what) for what in ("displacement", "velocity", "acceleration"))), float(self.rate)
+        row = fit_dissipative(tuple(motion), self.reach, np.array([1.0, rate]), guards.dissipative)
+        return replace(self, coefficients=row[None] / rate**2, order=guards.dissipative, extrapolation="linear")

@@ -8,14 +8,15 @@ phi' for modal coordinates. s scales the monomials to order one, which keeps hig
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import continued
-from vibrom.latent.polynomial import least_squares, monomials
-from vibrom.rom import MethodError, Rom, Structure, array_field
+from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.rom import Guards, MethodError, Rom, Structure, Training, array_field
 
 if TYPE_CHECKING:
     from vibrom.solvers.field import Field
@@ -64,6 +65,15 @@ class PolynomialRom(Rom):
 
         drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics, None if self.extrapolation == "none" else self.reach)
         return Field(drift, None if p is None else constant_kernel(self._push(p)))
+
+    def guarded(self, guards: Guards, training: Training) -> PolynomialRom:
+        if not guards.dissipative:
+            return replace(self, extrapolation=guards.extrapolation)
+        motion = tuple(training.joined(what) @ self.encoder.T for what in ("displacement", "velocity", "acceleration"))
+        row = fit_dissipative(motion, self.reach, self.scale, guards.dissipative)
+        powers = exponents(2, 1, guards.dissipative)
+        kinematic = np.where((powers == [0, 1]).all(axis=1), self.scale[1], 0.0)
+        return replace(self, dynamics=np.stack([kinematic, row]), dynamics_powers=powers, extrapolation="linear")
 
 
 def fit_remainder(z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
