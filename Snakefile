@@ -2,6 +2,7 @@
 #
 #   snakemake --cores 2                 everything
 #   snakemake --cores 2 tables figures  only these
+#   snakemake --cores 2 stability       only the grid of hard cases
 #   snakemake --list                    all rules; each method has its own
 import sys
 from pathlib import Path
@@ -65,6 +66,7 @@ include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/results.smk"
+include: "workflow/rules/stability.smk"
 
 
 rule all:

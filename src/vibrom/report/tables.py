@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from vibrom.report import beam, checks, curves, thesis
+from vibrom.report import beam, checks, curves, stability, thesis
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
@@ -24,6 +24,9 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
         "run_times": lambda: run_times(collection, scores),
         "frc": lambda: curves.table(collection),
         "checks": lambda: checks.table(collection, scores),
+        "stability": lambda: stability.outcomes(collection),
+        "guards": lambda: stability.guards(collection),
+        "full_order_steps": lambda: stability.full_order(collection),
     }
     if name not in builders:
         raise ValueError(f"table {name!r}: unknown; choose from {', '.join(builders)}")

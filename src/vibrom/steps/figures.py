@@ -7,12 +7,12 @@ import pandas as pd
 from vibrom.report import names
 from vibrom.report.figures import draw
 from vibrom.report.figures.style import render
-from vibrom.report.scores import Scores
+from vibrom.report.scores import COLUMNS, Scores
 from vibrom.steps._files import collection, write
 
 
-def run(*, scores: str, artefacts: list[str], figures: list[str], provenance: dict | None = None) -> None:
-    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+def run(*, artefacts: list[str], figures: list[str], scores: str | None = None, provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), Scores(pd.DataFrame(columns=COLUMNS) if scores is None else pd.read_csv(scores))
     digest = (provenance or {}).get("source_digest", "unknown")
     for name in dict.fromkeys(Path(path).stem for path in figures):
         figure = draw(name, runs, values)

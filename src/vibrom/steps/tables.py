@@ -7,12 +7,12 @@ import pandas as pd
 from vibrom.report import presentation
 from vibrom.report import tables as contract
 from vibrom.report.page import standalone
-from vibrom.report.scores import Scores
+from vibrom.report.scores import COLUMNS, Scores
 from vibrom.steps._files import collection, write
 
 
-def run(*, scores: str, artefacts: list[str], tables: list[str], provenance: dict | None = None) -> None:
-    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+def run(*, artefacts: list[str], tables: list[str], scores: str | None = None, provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), Scores(pd.DataFrame(columns=COLUMNS) if scores is None else pd.read_csv(scores))
     digest = (provenance or {}).get("source_digest", "unknown")
     frames = {name: contract.build(name, runs, values) for name in dict.fromkeys(Path(path).stem for path in tables)}
     for path in tables:

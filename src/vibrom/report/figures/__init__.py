@@ -7,7 +7,7 @@ from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
     accuracy_cost, backbones, blow_up, configurations, decay, final_shapes, forced, frc, losses, phase_portraits,
-    release_states, style, trajectories,
+    release_states, stability, style, trajectories,
 )
 from vibrom.report.scores import Scores
 
@@ -25,6 +25,8 @@ DRAW = {
     "blow_up": blow_up.draw,
     "frc_amplitude": frc.amplitude,
     "frc_phase": frc.phase,
+    "stability_map": stability.failures,
+    "stability_energy": stability.energy,
 }
 
 
