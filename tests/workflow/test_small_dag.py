@@ -12,6 +12,7 @@ from vibrom.report import names
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "pysindy_modal")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
+HARD = {"model_stability", "stability_tables", "stability_figures"}
 SINKS = {"scores", "tables", "figures", "report", "tracking", "headline", "all"}
 
 
@@ -49,7 +50,7 @@ def run(tmp_path_factory):
 def test_every_artefact_is_there_and_says_what_made_it(run):
     folders = [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]
     for folder in folders:
-        for name in ("rom", "losses", *EXPERIMENTS):
+        for name in ("rom", "losses", *EXPERIMENTS, "stability"):
             data = open_dataset(run.results / "folding" / folder / f"{name}.nc", name)
             assert data.attrs["scene"] == "folding" and data.attrs["method"] == folder.split("/")[0]
             assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(data.attrs["versions"])
@@ -60,8 +61,8 @@ def test_every_artefact_is_there_and_says_what_made_it(run):
 
 
 def test_every_table_figure_and_page_is_there(run):
-    wanted = [f"tables/{name}.{form}" for name in names.TABLES for form in names.TABLE_FORMATS]
-    wanted += [f"figures/{name}.{form}" for name in names.figures(["folding"]) for form in names.FIGURE_FORMATS]
+    wanted = [f"tables/{name}.{form}" for name in (*names.TABLES, *names.STABILITY_TABLES) for form in names.TABLE_FORMATS]
+    wanted += [f"figures/{name}.{form}" for name in (*names.figures(["folding"]), *names.stability_figures(["folding"])) for form in names.FIGURE_FORMATS]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (run.results / name).stat().st_size > 0, name
 
@@ -89,7 +90,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     path.write_text(before.replace("order_dynamics: int = 3", "order_dynamics: int = 5"))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_ssmlearn", *EXPERIMENTS, *SINKS} and set(jobs.values()) == {1}
+    assert set(jobs) == {"fit_ssmlearn", *EXPERIMENTS, *HARD, *SINKS} and set(jobs.values()) == {1}
     assert run.planned() == {}
 
 
@@ -99,7 +100,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *HARD, *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):

@@ -6,6 +6,11 @@ HARD_ARTEFACTS = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODEL
 ]
 
 
+def model_stability_code(wildcards):
+    """The code of the grid, of the scene's effects, whose energy is asked for, and of the model."""
+    return code("stability", *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]), *model_modules(wildcards))
+
+
 rule model_stability:
     input:
         structure=rules.structure.output.structure,
@@ -27,7 +32,7 @@ rule model_stability:
         method="{method}",
         seed=seed_of,
         stability=STABILITY,
-        provenance=full_order_code("stability"),
+        provenance=model_stability_code,
     message:
         "{wildcards.scene}: {wildcards.method} {wildcards.seed}: hard cases"
     script:

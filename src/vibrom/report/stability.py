@@ -54,7 +54,8 @@ def guards(collection: Collection) -> pd.DataFrame:
                "points_with_value": int(sum(np.isfinite(answer["frc_amplitude"].values).sum() for answer in answers))}
         for name, values, worst in (("median_amplitude_error_percent", median_error, True), ("peak_error_percent", peak_error, False), ("peak_steps", peak_steps, False),
                                     ("decay_nmte_percent", [float(answer["decay_nmte"]) for answer in answers], True),
-                                    ("forced_nmte_percent", [float(answer["forced_nmte"]) for answer in answers], True)):
+                                    ("forced_nmte_percent", [float(answer["forced_nmte"]) for answer in answers], True),
+                                    ("real_per_s", [float(answer["real_part"]) for answer in answers], False)):
             found = spread(np.array(values), worst=worst)
             row |= {name: found.median, f"{name}_min": found.minimum, f"{name}_max": found.maximum}
         first = integrator == answers[0].attrs["first"]

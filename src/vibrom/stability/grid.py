@@ -57,18 +57,20 @@ def survive(rom: Rom, chosen: Cases, load: np.ndarray, forcing: float, omega: fl
 
 def let_go(rom: Rom, chosen: Cases, omega: float, periods: int, integrator: Integrator, energy_of) -> tuple[np.ndarray, np.ndarray]:
     """Of the runs that are let go, for each period (releases, periods): the mean energy [J] of the decoded states, for which `energy_of` takes displacement and
-    velocity (m, n), and the largest reduced position over its training range. NaN after a failure."""
+    velocity (m, n), and the largest reduced position over its training range in this period and the next. NaN after a failure.
+
+    Two periods, as a soft model swings more slowly than the structure, and not as far to one side as to the other."""
     start = chosen.start(rom.reach)[chosen.kind == 1]
-    times = 2 * np.pi / omega * np.arange(periods * SAMPLES) / SAMPLES
+    times = 2 * np.pi / omega * np.arange((periods + 1) * SAMPLES) / SAMPLES
     run = rollout(rom, start, np.tile(times, (len(start), 1)), integrator)
-    envelope = (np.abs(run.reduced) / rom.reach)[..., : len(rom.reach) // 2].max(axis=2)
-    some = run.reduced[:, ::THIN]
+    largest = (np.abs(run.reduced) / rom.reach)[..., : len(rom.reach) // 2].max(axis=2).reshape(len(start), periods + 1, SAMPLES).max(axis=2)
+    some = run.reduced[:, :periods * SAMPLES:THIN]
     values = np.full(some.shape[:2], np.nan)
     alive = np.isfinite(some).all(axis=2)
     state = rom.decode(some[alive])
     n = state.shape[-1] // 2
     values[alive] = energy_of(state[:, :n], state[:, n:])
-    return values.reshape(len(start), periods, -1).mean(axis=2), envelope.reshape(len(start), periods, -1).max(axis=2)
+    return values.reshape(len(start), periods, -1).mean(axis=2), np.maximum(largest[:, :-1], largest[:, 1:])
 
 
 def rises(values: np.ndarray, tolerance: float = 0.01) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.data import label, open_dataset, save_dataset, variable
-from vibrom.experiments import decay, forced, frc
+from vibrom.experiments import decay, eigenvalues, forced, frc
 from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
 from vibrom.rollout import Integrator
@@ -66,7 +66,7 @@ class Results:
         pair, runs, curve = (len(guards), len(integrators)), len(cases.kind), len(frequency)
         self.outcome, self.frc_outcome = np.full((*pair, runs), "not run", dtype=object), np.full((*pair, curve), "not run", dtype=object)
         self.failed_at, self.range_ratio, self.frc_amplitude = np.full((*pair, runs), np.nan), np.full((*pair, runs), np.nan), np.full((*pair, curve), np.nan)
-        self.decay_nmte, self.forced_nmte = np.full(pair, np.nan), np.full(pair, np.nan)
+        self.decay_nmte, self.forced_nmte, self.real_part = np.full(pair, np.nan), np.full(pair, np.nan), np.full(pair, np.nan)
         self.energy, self.envelope = (np.full((len(guards), int((cases.kind == 1).sum()), PERIODS), np.nan) for _ in range(2))
 
     def scene(self, here: tuple[int, int], rom, asked: dict, integrator: Integrator) -> None:
@@ -74,6 +74,7 @@ class Results:
         given = {"rom": rom, **asked}
         curve = frc.predict(given, integrator)
         self.frc_amplitude[here], self.frc_outcome[here] = curve["amplitude"].values[0], curve["outcome"].values
+        self.real_part[here] = float(eigenvalues.predict(given, integrator)["score_value"].sel(score="real_per_s"))
         for name, module, reference in (("decay_nmte", decay, "test"), ("forced_nmte", forced, "forced")):
             if str(asked[reference]["outcome"].item()) == "ok":
                 getattr(self, name)[here] = float(module.predict(given, integrator)["score_value"].sel(score="nmte_percent"))
@@ -89,11 +90,12 @@ class Results:
             "frequency": variable("run", self.cases.frequency, "1", "forcing frequency over the damped first frequency"),
             "radius": variable("run", self.cases.radius, "1", "distance of the start from rest over the training range"),
             "energy": variable(("guard", "release", "period"), self.energy, "J", "mechanical energy of the decoded state, mean over each period after release"),
-            "envelope": variable(("guard", "release", "period"), self.envelope, "1", "largest reduced position over its training range in each period after release"),
+            "envelope": variable(("guard", "release", "period"), self.envelope, "1", "largest reduced position over its training range, in each period after release and the next"),
             "frc_amplitude": variable((*pair, "angular_frequency"), self.frc_amplitude, "m", "amplitude of the first probe on the scene's response curve"),
             "frc_outcome": variable((*pair, "angular_frequency"), self.frc_outcome, "1", "how the run of the response curve ended"),
             "decay_nmte": variable(pair, self.decay_nmte, "percent", "NMTE of the unseen decay"),
             "forced_nmte": variable(pair, self.forced_nmte, "percent", "NMTE of the forced run, last period"),
+            "real_part": variable(pair, self.real_part, "s-1", "real part of the first pair of eigenvalues at rest"),
         }, coords={
             "guard": variable("guard", np.array(self.guards, dtype=object), "1", "guard of the fitted model"),
             "integrator": variable("integrator", np.array(self.integrators, dtype=object), "1", "integrator of the reduced model"),

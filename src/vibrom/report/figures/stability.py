@@ -18,7 +18,7 @@ def failures(collection, scores, scene) -> Figure:
     """A row a method, a column a guard; first integrator."""
     answers = asked(collection, scene)
     guards = [str(guard) for guard in next(iter(answers.values()))[0]["guard"].values] if answers else []
-    figure, axes = panels.grid(max(1, len(answers) * len(guards)), columns=max(1, len(guards)), size=(2.5, 1.35), legend=0.7, sharex=True, sharey=True)
+    figure, axes = panels.grid(max(1, len(answers) * len(guards)), columns=max(1, len(guards)), size=(2.5, 1.35), legend=0.5, sharex=True, sharey=True)
     image = None
     for row, (method, seeds) in enumerate(answers.items()):
         for column, guard in enumerate(guards):
@@ -36,9 +36,9 @@ def failures(collection, scores, scene) -> Figure:
             panel.set_yticks(range(len(forcing)), [f"{level:g}" for level in forcing])
             panel.set_title(f"{thesis.label(method)}, {guard}: {lost.sum() * len(map_):.0f} of {lost.size * len(map_)} failed", fontsize=6.5)
             if column == 0:
-                panel.set_ylabel("forcing", fontsize=7)
+                panel.set_ylabel("forcing [of the scene's]", fontsize=6.5)
             if row == len(answers) - 1:
-                panel.set_xlabel("frequency / first", fontsize=7)
+                panel.set_xlabel("frequency [of the first]", fontsize=6.5)
     if image is None:
         panels.words(axes[0], "no hard cases in this run")
     else:
@@ -49,7 +49,7 @@ def failures(collection, scores, scene) -> Figure:
 def energy(collection, scores, scene) -> Figure:
     """A panel a method: the median seed's decays, one line a release and guard."""
     answers = asked(collection, scene)
-    figure, axes = panels.grid(max(1, len(answers)), columns=3, size=(3.0, 2.2), legend=0.4, sharex=True)
+    figure, axes = panels.grid(max(1, len(answers)), columns=3, size=(3.0, 2.2), legend=0.4)
     handles = {}
     for panel, method in zip(axes, answers):
         seed, answer = panels.drawn(collection, scores, scene, method, "stability")
@@ -60,7 +60,7 @@ def energy(collection, scores, scene) -> Figure:
             gone = int((~np.isfinite(values[:, -1])).sum())
             if gone:
                 panels.words(panel, f"{guard}: {gone} of {len(values)} decays failed", place="above" if place == 0 else "below")
-        panel.set(title=panels.title(method, seed), xlabel="period after release", ylabel="energy [J]")
+        panel.set(title=panels.title(method, seed), xlabel="time after release [periods]", ylabel="energy [J]")
     if handles:
         figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=len(handles))
     else:
