@@ -33,6 +33,7 @@ KINDS: dict[str, frozenset[str]] = {
     "backbone": frozenset({"amplitude", "angular_frequency"}),
     "eigenvalues": frozenset({"real", "imaginary"}),
     "run_times": frozenset({"score_value"}),
+    "stability": frozenset({"outcome", "failed_at"}),
 }
 
 

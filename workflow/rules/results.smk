@@ -1,5 +1,5 @@
 # From the artefacts of all models to scores, tables, figures, the report and MLflow.
-from vibrom.report.names import FIGURE_FORMATS, TABLE_FORMATS, TABLES, of_family
+from vibrom.report.names import FIGURE_FORMATS, STABILITY_TABLES, TABLE_FORMATS, TABLES, of_family, stability_figures
 from vibrom.report.names import captions as caption_names
 from vibrom.report.names import figures as figure_names
 from vibrom.report.names import split as figure_group
@@ -20,6 +20,11 @@ FULL_ORDER_FILES = [
 ]
 ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS + COST_ARTEFACTS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
+
+# The grid of hard cases has rules of its own; what they show is part of the page.
+HARD = SETTINGS.stability["scenes"]
+HARD_TABLES = [f"<results>/tables/{name}.{form}" for name in STABILITY_TABLES if HARD for form in TABLE_FORMATS]
+HARD_FIGURES = [f"<results>/figures/{name}.{form}" for name in stability_figures(HARD) for form in FIGURE_FORMATS]
 
 
 def shown(path, kind, name):
@@ -109,8 +114,8 @@ rule report:
     input:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS + EFFECTS_FILES,
-        tables=ALL_TABLES,
-        figures=ALL_FIGURES,
+        tables=ALL_TABLES + HARD_TABLES,
+        figures=ALL_FIGURES + HARD_FIGURES,
         captions=[f"{CAPTIONS}/{name}" for name in caption_names(SCENES)],
     output:
         report="<results>/report.html",

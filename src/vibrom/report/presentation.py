@@ -31,6 +31,12 @@ WORDS = {
     "data_s": "Training data [s]", "mapping_s": "Mapping [s]", "dynamics_s": "Dynamics [s]", "offline_s": "Offline [s]", "online_s": "Online [s]",
     "decays": "Decays", "forced_runs": "Forced runs", "sweeps": "Response curves",
     **{f"thesis_{name}": f"Thesis: {said}" for name, said in (("offline_s", "offline [s]"), ("decays", "decays"), ("forced_runs", "forced runs"), ("sweeps", "response curves"))},
+    "guard": "Guard", "integrator": "Integrator", "runs": "Runs", "ok": "ok", "left_range": "Left range", "diverged": "Diverged", "step_underflow": "Step underflow",
+    "no_convergence": "No convergence", "other": "Other", "held_percent": "Held [%]", "held_low_percent": "95 % from", "held_high_percent": "to",
+    "median_failure_periods": "Median failure [periods]", "largest_range_ratio": "Farthest, of the range", "peak_error_percent": "Peak error [%]",
+    "peak_steps": "Peak off by [frequencies]", "decay_nmte_percent": "Decay NMTE [%]", "forced_nmte_percent": "Forced NMTE [%]",
+    "energy_rises": "Energy rose in", "envelope_rises": "Amplitude rose in", "gamma": "γ", "forcing": "Forcing, of the scene's",
+    "seconds": "Wall time [s]",
     "length_m": "Length [m]", "height_m": "Height [m]", "width_m": "Width [m]",
     "young_modulus_pa": "Young's modulus [Pa]", "poisson_ratio": "Poisson's ratio [–]",
     "density_kg_per_m3": "Density [kg/m³]", "damping_ratio": "Damping ratio, first mode [–]",
@@ -171,6 +177,6 @@ def to_tex(name: str, frame: pd.DataFrame) -> str:
     text = readable(name, frame)
     style = text.style.hide(axis="index").format(escape="latex").format_index(escape="latex", axis=1)
     tex = style.to_latex(hrules=True, column_format="l" * len(text.columns))
-    for sign, command in {"ω": r"$\omega$", "³": r"\textsuperscript{3}", GONE: "--"}.items():
+    for sign, command in {"ω": r"$\omega$", "γ": r"$\gamma$", "³": r"\textsuperscript{3}", GONE: "--"}.items():
         tex = tex.replace(sign, command)
     return tex

@@ -7,7 +7,7 @@ from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
     accuracy_cost, backbones, blow_up, configurations, cost_full_order, cost_reduced, cost_training, decay, effects, final_shapes, forced, frc,
-    losses, phase_portraits, release_states, style, trajectories,
+    losses, phase_portraits, release_states, stability, style, trajectories,
 )
 from vibrom.report.scores import Scores
 
@@ -29,6 +29,8 @@ DRAW = {
     "cost_full_order": cost_full_order.draw,
     "cost_reduced": cost_reduced.draw,
     "cost_training": cost_training.draw,
+    "stability_map": stability.failures,
+    "stability_energy": stability.energy,
 }
 
 
