@@ -99,6 +99,15 @@ def test_meshes_against_beam_theory(study):
     assert told == pytest.approx(100 * np.abs(np.array([coarse, fine]) / exact - 1), abs=1.0)
 
 
+def test_a_mesh_without_a_node_for_an_effect_is_skipped():
+    """x = 0.35 m is a node of 20 cells, and of 10 not."""
+    scene = {**SCENE, "effects": {**SCENE["effects"], "tip_mass": {"at": [0.35, 0.0], "mass": 0.1}}}
+    settings = {**SETTINGS, "meshes": {"bilinear": [[10, 1], [20, 1]]}, "mesh_steps_per_period": 50}
+    rows, _ = cost_full_order.meshes(scene, settings, 1, 0.0)
+    outcomes = [[answer[3] for answer in row.answers.values()] for row in rows]
+    assert outcomes == [["skipped"] * 2, ["ok"] * 2] and np.isnan(rows[0].answers["frequency"][0]) and rows[1].answers["frequency"][0] > 0
+
+
 def test_the_artefact_says_on_what_machine(study):
     import json
 

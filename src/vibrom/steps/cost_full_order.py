@@ -20,11 +20,12 @@ import xarray as xr
 
 from vibrom import effects, space
 from vibrom.data import label, open_dataset, save_dataset, variable
+from vibrom.hardware import description
 from vibrom.modes import eigenmodes, linearised
 from vibrom.nmte import nmte_percent
 from vibrom.solvers.newmark import Newmark, Record
 from vibrom.steps.full_order import FullOrder, build
-from vibrom.hardware import description
+from vibrom.term import SceneError
 from vibrom.work_precision import repeated
 
 SAMPLES = 50  # of a period; every number of steps is a multiple of it, so that all runs have these instants
@@ -155,7 +156,16 @@ def meshes(scene: dict, settings: dict, repeats: int, patience: float) -> tuple[
 
 
 def mesh_row(scene: dict, element: str, cells: list[int], settings: dict, repeats: int, patience: float) -> tuple[Row, dict[str, tuple]]:
-    """The first frequency and the forced response of a mesh, and question -> (seconds, calls, outcome)."""
+    """The first frequency and the forced response of a mesh, and question -> (seconds, calls, outcome); `skipped` where it has no node for an effect of the scene."""
+    try:
+        return solved(scene, element, cells, settings, repeats, patience)
+    except SceneError:
+        names = {"study": "mesh", "element": element, "columns": cells[0], "rows": cells[1], "initial_acceleration": "equilibrium",
+                 "first_frequency": np.nan, "modal_amplitude": np.nan}
+        return Row(names), dict.fromkeys(OF_MESH, (np.nan, 0, "skipped"))
+
+
+def solved(scene: dict, element: str, cells: list[int], settings: dict, repeats: int, patience: float) -> tuple[Row, dict[str, tuple]]:
     def assembled():
         began = perf_counter()
         body = space.build({**scene["body"], "element": element, "cells": list(cells), "probes": {}})

@@ -8,7 +8,7 @@ from vibrom.report.collection import FULL_ORDER
 from vibrom.report.figures import panels, style
 from vibrom.work_precision import front
 
-ASKED = {"decay": "decay: NMTE [%]", "forced": "forced run: NMTE [%]", "frc": "response curve: median error [%]"}
+ASKED = {"decay": "decay: NMTE [%]", "forced": "forced run: NMTE [%]", "frc": "response curve: error [%]"}
 
 
 def draw(collection, scores, scene=None) -> Figure:
@@ -35,8 +35,15 @@ def draw(collection, scores, scene=None) -> Figure:
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=5)
+    figure.legend(*ordered(handles, collection.methods), loc="outside lower center", ncols=5)
     return figure
+
+
+def ordered(handles: dict, methods: list[str]) -> tuple[list, list[str]]:
+    """Handles and labels in the order of the run, others last."""
+    labels = [thesis.label(method) for method in methods]
+    names = sorted(handles, key=lambda name: labels.index(name) if name in labels else len(labels))
+    return [handles[name] for name in names], names
 
 
 def points(panel, group, price: str, error: str, methods: list[str]) -> dict:

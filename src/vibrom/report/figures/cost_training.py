@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report import cost, thesis
 from vibrom.report.figures import panels, style
-from vibrom.report.figures.cost_reduced import ASKED, silent
+from vibrom.report.figures.cost_reduced import ASKED, ordered, silent
 
 EPOCHS = ("epochs", "start.epochs")
 
@@ -32,7 +32,7 @@ def draw(collection, scores, scene=None) -> Figure:
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=5)
+    figure.legend(*ordered(handles, collection.methods), loc="outside lower center", ncols=5)
     return figure
 
 
