@@ -57,6 +57,8 @@ def test_the_repository_is_valid_with_every_overlay(root):
     assert literal.methods["split"]["settings"]["epochs"] == 15000
     assert literal.scenes["small"]["time"]["every"] == 1
     load(root, root / "tests/workflow/small_dag.yaml")
+    whole = load(root, root / "config/stability_full.yaml")
+    assert plain.stability["scenes"] == ["folding"] and whole.stability["scenes"] == ["small", "large", "folding"] and whole.stability["periods"] == 1000
 
 
 def test_numbers_without_a_dot_or_sign_are_numbers():
