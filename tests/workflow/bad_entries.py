@@ -121,4 +121,8 @@ BAD = {
         {"folding": {"time": {"alpha": 2}}},
         ["scene_settings.folding.time.alpha = 2", "at most 1"],
     ),
+    "unknown scene of the hard cases": (CONFIG, "stability.scenes", ["foldin"], ["stability.scenes[0] = 'foldin'", "did you mean 'folding'?"]),
+    "unknown key of a guard": (CONFIG, "stability.guards.bounded", {"extrapolate": "linear"}, ["stability.guards.bounded.extrapolate", "did you mean 'extrapolation'?"]),
+    "unknown guard of a method": (METHOD, "settings.extrapolation", "flat", ["settings.extrapolation = 'flat'", "choose from none, linear"]),
+    "unknown integrator": (CONFIG, "integrator.method", "dop583", ["integrator.method = 'dop583'", "did you mean 'dop853'?"]),
 }

@@ -58,6 +58,8 @@ def test_the_repository_is_valid_with_every_overlay(root):
     assert literal.scenes["small"]["time"]["every"] == 1
     assert load(root, root / "config/cost_full.yaml").cost["scenes"] == ["small", "large", "folding"]
     load(root, root / "tests/workflow/small_dag.yaml")
+    whole = load(root, root / "config/stability_full.yaml")
+    assert plain.stability["scenes"] == ["folding"] and whole.stability["scenes"] == ["small", "large", "folding"] and whole.stability["periods"] == 1000
 
 
 def test_every_scene_file_is_valid(project):
