@@ -34,11 +34,11 @@ def failures(collection, scores, scene) -> Figure:
             ticks = np.linspace(0, len(frequency) - 1, min(4, len(frequency))).astype(int)
             panel.set_xticks(ticks, [f"{frequency[tick]:.3g}" for tick in ticks])
             panel.set_yticks(range(len(forcing)), [f"{level:g}" for level in forcing])
-            panel.set_title(f"{thesis.label(method)}, {guard}: {lost.sum() * len(map_):.0f} of {lost.size * len(map_)} failed", fontsize=6.5)
+            panel.set_title(f"{thesis.label(method)}, {guard}: {lost.sum() * len(map_):.0f} of {lost.size * len(map_)} failed", fontsize=6)
             if column == 0:
-                panel.set_ylabel("forcing [of the scene's]", fontsize=6.5)
+                panel.set_ylabel("forcing [of the scene's]", fontsize=6)
             if row == len(answers) - 1:
-                panel.set_xlabel("frequency [of the first]", fontsize=6.5)
+                panel.set_xlabel("frequency [of the first]", fontsize=6)
     if image is None:
         panels.words(axes[0], "no hard cases in this run")
     else:
