@@ -2,6 +2,8 @@
 #
 #   snakemake --cores 2                 everything
 #   snakemake --cores 2 tables figures  only these
+#   snakemake --cores 2 effects         what each effect of a scene is worth; no model is trained
+#   snakemake --cores 2 stability       only the grid of hard cases
 #   snakemake --list                    all rules; each method has its own
 import sys
 from pathlib import Path
@@ -66,6 +68,8 @@ include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/cost.smk"
 include: "workflow/rules/results.smk"
+include: "workflow/rules/effects.smk"
+include: "workflow/rules/stability.smk"
 
 
 rule all:

@@ -1,17 +1,16 @@
 """The benchmark page: one HTML file, each number with the command that makes it."""
 
-import os
 import platform
 from dataclasses import dataclass
 from pathlib import Path
 
 import numba
 import pandas as pd
-import psutil
 import torch
 from jinja2 import Environment
 from markupsafe import Markup
 
+from vibrom.hardware import description
 from vibrom.provenance import versions
 from vibrom.report.page import image, plain, resource
 
@@ -38,10 +37,9 @@ def words(docstring: str) -> tuple[str, list[str]]:
 
 
 def machine() -> dict[str, str]:
-    model = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")), "")
-    return {"processor": model or platform.processor(), "cores": str(len(os.sched_getaffinity(0))),
-            "load when it ran": f"{psutil.getloadavg()[0]:.1f}", "instruction set": torch.backends.cpu.get_cpu_capability(),
-            "compiler": f"numba {numba.__version__}", "python": platform.python_version()}
+    told = description()
+    return {"processor": told["processor"], "cores": str(told["cores"]), "load when it ended": str(told["load"]),
+            "instruction set": torch.backends.cpu.get_cpu_capability(), "compiler": f"numba {numba.__version__}", "python": platform.python_version()}
 
 
 def table(sections: list[Section]) -> pd.DataFrame:

@@ -5,6 +5,8 @@ CANTILEVER = {"length": 1.0, "height": 0.02, "width": 0.05, "cells": [40, 2], "e
 ELASTICITY = {"young_modulus": 104.0e9, "poisson_ratio": 0.3, "plane": "stress"}
 SLENDER = {**ELASTICITY, "poisson_ratio": 0.0}  # what beam theory assumes
 LINEAR = {"inertia": {"density": 440.0}, "elasticity": ELASTICITY}
+BEAM = {"inertia": {"density": 440.0}, "elasticity": SLENDER}
+BENDING, LINE = 104.0e9 * 0.05 * 0.02**3 / 12, 440.0 * 0.05 * 0.02  # EI [N m2] and mass a metre [kg/m] of CANTILEVER
 UNDAMPED = {**LINEAR, "geometric_nonlinearity": {}}
 THESIS = {**UNDAMPED, "rayleigh_damping": {"damping_ratio": 0.01}, "modal_load": {"mode": 1}}
 

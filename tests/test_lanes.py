@@ -125,6 +125,6 @@ def test_specialisations_of_several_processes_are_told_apart(tmp_path):
             "for width in map(int, sys.argv[1:]):\n"
             "    matrix = np.full((5, 1, width), 4.0)\n"
             "    call(kernels(width)[2], matrix)\n"
-            "    assert np.array_equal(matrix, np.full((5, 1, width), 0.5)), (width, matrix)")
+            "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)")
     for widths in ("3", "2", "2 3 2"):
         subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})

@@ -22,6 +22,7 @@ KINDS: dict[str, frozenset[str]] = {
     "release": frozenset({"displacement"}),
     "trajectory": frozenset({"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}),
     "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
+    "effects": frozenset({"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}),
     "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
     "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
     "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
@@ -32,6 +33,7 @@ KINDS: dict[str, frozenset[str]] = {
     "backbone": frozenset({"amplitude", "angular_frequency"}),
     "eigenvalues": frozenset({"real", "imaginary"}),
     "run_times": frozenset({"score_value"}),
+    "stability": frozenset({"outcome", "failed_at"}),
 }
 
 

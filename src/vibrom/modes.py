@@ -4,11 +4,14 @@ Under a dead load they are those of small motions about the equilibrium that it 
 """
 
 import numpy as np
+from scipy.linalg import LinAlgError, cholesky_banded
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigs, eigsh
 
-from vibrom.solvers import static
+from vibrom.solvers import banded, static
 from vibrom.term import SceneError, Term
+
+LOOKED_AT = 10  # modes among which flutter is looked for
 
 
 def linearised(term: Term) -> tuple[np.ndarray, csr_matrix]:
@@ -31,16 +34,27 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
     size = term.mass.shape[0]
     start = np.ones(size) / np.sqrt(size)
     _, stiffness = linearised(term)
-    symmetric = all(force.symmetric for force in term.forces)
-    squares, vectors = (eigsh if symmetric else eigs)(stiffness.tocsc(), k=min(count, size - (1 if symmetric else 2)), M=term.mass.tocsc(), sigma=0.0, v0=start)
-    # Rounding leaves a double eigenvalue imaginary parts of the order of the root of epsilon.
-    if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max() or squares.real.min() <= 0.0:
-        how = "buckles" if squares.real.min() <= 0.0 else "flutters"
-        raise SceneError(f"effects: the body {how} under its dead load ({', '.join(f'{square:.3g}' for square in squares[:2])} = omega^2), so that it has no "
-                         "modes to oscillate in; lower that load")
-    squares, vectors = squares.real, vectors.real
-    order = np.argsort(squares)
+    if all(force.symmetric for force in term.forces):
+        squares, vectors = eigsh(stiffness.tocsc(), k=min(count, size - 1), M=term.mass.tocsc(), sigma=0.0, v0=start)
+        # Iteration about zero may miss a negative square that is far away; a factor does not.
+        unstable = "buckles" if term.dead_load is not None and not _positive(stiffness) else ""
+    else:
+        squares, vectors = eigs(stiffness.tocsc(), k=min(max(count, LOOKED_AT), size - 2), M=term.mass.tocsc(), sigma=0.0, v0=start)
+        unstable = "flutters" if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max() else "buckles" if squares.real.min() <= 0.0 else ""
+        squares, vectors = squares.real, vectors.real
+    if unstable:
+        raise SceneError(f"effects: the body {unstable} under its dead load, so that it has no modes to oscillate in about its rest state; lower that load")
+    order = np.argsort(squares)[:count]
     modes = vectors[:, order].T
     modes /= np.sqrt(np.einsum("ki,ki->k", modes, (term.mass @ modes.T).T))[:, None]
     modes *= np.sign(modes[np.arange(len(modes)), np.abs(modes).argmax(axis=1)])[:, None]
     return np.sqrt(squares[order]), modes
+
+
+def _positive(matrix: csr_matrix) -> bool:
+    """Is a symmetric matrix positive definite?"""
+    try:
+        cholesky_banded(banded.to_band(matrix, banded.half_bandwidth(matrix)).T, lower=True)
+    except LinAlgError:
+        return False
+    return True

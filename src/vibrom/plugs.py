@@ -40,11 +40,16 @@ def is_module(module: str) -> bool:
     )
 
 
+def source(module: str) -> Path:
+    """The file of `vibrom` or of a module below it, by its full name."""
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    return path / "__init__.py" if is_package(module) else path.with_suffix(".py")
+
+
 @cache
 def tree(module: str) -> ast.Module:
-    """The parsed source of `vibrom` or of a module below it, by its full name."""
-    path = PACKAGE.joinpath(*module.split(".")[1:])
-    return parse(path / "__init__.py" if is_package(module) else path.with_suffix(".py"))
+    """Its parsed source."""
+    return parse(source(module))
 
 
 def parse(path: Path) -> ast.Module:

@@ -8,9 +8,12 @@ nothing run again.
 """
 
 import ast
+import atexit
 import hashlib
 import json
+import os
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -22,20 +25,63 @@ DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-lear
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
 
 
+def _stamp(path: Path) -> list[int]:
+    status = path.stat()
+    return [status.st_mtime_ns, status.st_size]
+
+
 @cache
-def imports(module: str) -> frozenset[str]:
-    """Every module that the source of `module` imports, of vibrom and of others, anywhere in the file."""
+def _store() -> dict[str, dict]:
+    """What earlier processes read of each module: parsing all of them anew takes longer than the rest of this file's work.
+
+    Kept beside the bytecode, for as long as this code and that file stay as they are."""
+    path, code = plugs.PACKAGE / "__pycache__" / f"provenance.{sys.implementation.cache_tag}.json", [_stamp(Path(file)) for file in (__file__, plugs.__file__)]
+    try:
+        stored = json.loads(path.read_text())
+    except (OSError, ValueError):
+        stored = {}
+    stored = stored if stored.get("code") == code else {"code": code}
+    before = json.dumps(stored)
+
+    def keep() -> None:
+        if (now := json.dumps(stored)) != before:
+            with suppress(OSError):  # a package that cannot be written to is parsed each time
+                path.parent.mkdir(exist_ok=True)
+                partial = path.with_suffix(f".{os.getpid()}")
+                partial.write_text(now)
+                os.replace(partial, path)
+
+    atexit.register(keep)
+    return stored
+
+
+@cache
+def _read(module: str) -> dict:
+    """The stamp of a module's file, the names that it may import and the sha256 of its parsed source."""
+    stored, stamp = _store(), _stamp(plugs.source(module))
+    if stored.get(module, {}).get("stamp") != stamp:
+        parsed = tree(module)
+        stored[module] = {"stamp": stamp, "named": _named(module, parsed), "digest": hashlib.sha256(ast.dump(parsed).encode()).hexdigest()}
+    return stored[module]
+
+
+def _named(module: str, parsed: ast.Module) -> list[str]:
     package = module.split(".") if is_package(module) else module.split(".")[:-1]
     found: set[str] = set()
-    for node in ast.walk(tree(module)):
+    for node in ast.walk(parsed):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             parts = package[: len(package) - node.level + 1] if node.level else []
             home = ".".join(parts + ([node.module] if node.module else []))
-            found.add(home)
-            found |= {f"{home}.{alias.name}" for alias in node.names if is_module(f"{home}.{alias.name}")}
-    return frozenset(found)
+            found |= {home} | {f"{home}.{alias.name}" for alias in node.names}
+    return sorted(found)
+
+
+@cache
+def imports(module: str) -> frozenset[str]:
+    """Every module that the source of `module` imports, of vibrom and of others, anywhere in the file."""
+    return frozenset(name for name in _read(module)["named"] if name.split(".")[0] != "vibrom" or is_module(name))
 
 
 @cache
@@ -54,12 +100,6 @@ def modules_behind(*entries: str) -> frozenset[str]:
 
 
 @cache
-def module_digest(module: str) -> str:
-    """sha256 of the parsed source."""
-    return hashlib.sha256(ast.dump(tree(module)).encode()).hexdigest()
-
-
-@cache
 def data_digest(package: str) -> str:
     """sha256 of what lies below a package beside its code: published numbers, templates, style sheets."""
     folder = plugs.PACKAGE.joinpath(*package.split(".")[1:])
@@ -71,7 +111,7 @@ def digest(*entries: str) -> str:
     """sha256 over all modules behind `entries` and the data of their packages, 16 hex digits."""
     whole = hashlib.sha256()
     for module in sorted(modules_behind(*entries)):
-        whole.update(f"{module} {module_digest(module)}\n".encode())
+        whole.update(f"{module} {_read(module)['digest']}\n".encode())
         if is_package(module) and module != "vibrom":
             whole.update(data_digest(module).encode())
     return whole.hexdigest()[:16]

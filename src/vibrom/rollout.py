@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.rom import Rom
+from vibrom.rom import MethodError, Rom
 
 LIMIT = 10.0  # times the training range: beyond it a run has diverged
 MARGIN = 1.01  # times the training range: beyond it a run has left the range; the margin covers the training data's own sampling
@@ -17,10 +17,17 @@ FIRST_STEP = 0.05  # of 1/omega: a twentieth of what the method takes later, and
 
 @dataclass(frozen=True)
 class Integrator:
-    """rtol relative; atol as a fraction of the training range of each reduced coordinate."""
+    """rtol relative; atol as a fraction of the training range of each reduced coordinate. `dop853` chooses its steps by them; `gauss`, which is implicit, takes
+    `steps` equal ones to a period of the first frequency, and iterates to them."""
 
     rtol: float = 1e-8
     atol: float = 1e-10
+    method: str = "dop853"
+    steps: int = 40
+
+    def __post_init__(self) -> None:
+        if self.method not in ("dop853", "gauss"):
+            raise MethodError(f"integrator.method is {self.method!r}; give dop853 or gauss")
 
 
 @dataclass(frozen=True)
@@ -49,19 +56,27 @@ def rollout(rom: Rom, start: np.ndarray, times: np.ndarray, integrator: Integrat
     field = rom.field(None if drive is None else drive.load)
     # Reaches of z and of dz/dt differ by the frequency of the motion: their ratio is a time scale.
     tempo = float(np.min(rom.reach[: len(rom.reach) // 2] / rom.reach[len(rom.reach) // 2:]))
-    settings = dict(rtol=integrator.rtol, atol=integrator.atol * rom.reach, first_step=FIRST_STEP * tempo, reach=MARGIN * rom.reach, limit=LIMIT * rom.reach,
-                    max_steps=int(times.max() / (FIRST_STEP * tempo)) + 1000)
+    settings = dict(rtol=integrator.rtol, atol=integrator.atol * rom.reach, reach=MARGIN * rom.reach, limit=LIMIT * rom.reach)
+    steps = dict(first_step=FIRST_STEP * tempo, max_steps=int(times.max() / (FIRST_STEP * tempo)) + 1000)
+    forcing = {} if drive is None else {"amplitude": drive.amplitude, "frequency": drive.frequency}
     # Imported here: half of what a job without a rollout would spend on imports.
-    if field is None:
+    if integrator.method == "gauss":
+        from vibrom.solvers.gauss import integrate
+
+        if field is None:
+            raise MethodError(f"integrator.method gauss needs compiled code, and {type(rom).__name__} has none (Rom.field); set method: dop853")
+        began = time.perf_counter()
+        solution = integrate(field, start, times, **settings, **forcing, step=2 * np.pi * tempo / integrator.steps)
+    elif field is None:
         from vibrom.solvers.dop853 import integrate
 
         began = time.perf_counter()
-        solution = integrate(_numpy_field(rom, drive), start, times, **settings)
+        solution = integrate(_numpy_field(rom, drive), start, times, **settings, **steps)
     else:
         from vibrom.solvers.dop853_loop import integrate
 
         began = time.perf_counter()
-        solution = integrate(field, start, times, **settings, **({} if drive is None else {"amplitude": drive.amplitude, "frequency": drive.frequency}))
+        solution = integrate(field, start, times, **settings, **steps, **forcing)
     outcome, failed_at = list(solution.outcome), np.where(solution.outcome == "ok", np.nan, solution.ended_at)
     for index, word in enumerate(outcome):
         if word == "ok" and not np.isnan(solution.left_at[index]):

@@ -33,6 +33,20 @@ def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:
 
 
 @dataclass(frozen=True)
+class Guards:
+    """What keeps a fitted model from running away; see `latent.extrapolation` and `latent.dissipative`."""
+
+    extrapolation: str = "none"  # of the polynomials beyond the training range: none, or linear
+    dissipative: int = 0  # order of dynamics fitted anew so that they cannot gain energy, which is linear extrapolation too; 0: as the method fits them
+
+    def __post_init__(self) -> None:
+        if self.extrapolation not in ("none", "linear"):
+            raise MethodError(f"extrapolation is {self.extrapolation!r}; give none or linear")
+        if not (isinstance(self.dissipative, int) and self.dissipative >= 0):
+            raise MethodError(f"dissipative is {self.dissipative!r}; give the order of the fit, or 0 for none")
+
+
+@dataclass(frozen=True)
 class Rom(ABC):
     """A fitted model. Subclasses are frozen dataclasses of arrays (`array_field`), strings and numbers."""
 
@@ -61,6 +75,12 @@ class Rom(ABC):
 
         A class that inherits a `field` and changes what it compiles changes it too, or answers None."""
         return None
+
+    def guarded(self, guards: Guards, training: Training) -> Rom:
+        """This model with these guards; `training` is what it was learnt from."""
+        if guards == Guards():
+            return self
+        raise MethodError(f"{type(self).__name__} has no guards; set extrapolation: none and dissipative: 0")
 
     def to_dataset(self) -> xr.Dataset:
         variables, attributes = {}, {"rom": f"{type(self).__module__}:{type(self).__qualname__}"}
@@ -180,10 +200,19 @@ class TrainingDiverged(RuntimeError):
 
 @dataclass(frozen=True)
 class Method(ABC):
-    """How to learn a Rom. The fields are the settings of its config block."""
+    """How to learn a Rom. The fields are the settings of its config block; those of `Guards` are every method's."""
+
+    extrapolation: str = field(default="none", kw_only=True)
+    dissipative: int = field(default=0, kw_only=True)
 
     @abstractmethod
     def fit(self, training: Training) -> Rom: ...
+
+    def learn(self, training: Training) -> Rom:
+        """`fit`, then the guards."""
+        guards, fitted = Guards(self.extrapolation, self.dissipative), self.fit(training)
+        with training.monitor.phase("dynamics"):
+            return fitted.guarded(guards, training)
 
     def skip(self, scene: dict[str, Any]) -> str | None:
         """Why this method is not asked in a scene with these `body` and `effects` blocks, or None."""

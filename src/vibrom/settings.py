@@ -33,8 +33,10 @@ class Settings:
     seeds: list[int]
     experiments: list[str]
     integrator: dict[str, float]
+    effects: dict[str, int]
     device: str
     cost: dict[str, Any]
+    stability: dict[str, Any]
 
     def seed_folders(self, method: str) -> list[str]:
         """`seed_0`, `seed_1`, ..., or `unseeded` for a method that is fitted once."""
@@ -73,8 +75,17 @@ class Reader:
         methods = {name: self.method(name) for name in self.config["methods"]}
         check_starts(methods, self.folder)
         self.check_cost(methods)
-        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "device", "cost")}
-        return Settings(scenes=scenes, methods=methods, **plain)
+        plain = {name: self.config[name] for name in ("results", "seeds", "experiments", "integrator", "effects", "device", "cost")}
+        return Settings(scenes=scenes, methods=methods, **plain, stability=self.stability(scenes))
+
+    def stability(self, scenes: dict[str, Any]) -> dict[str, Any]:
+        """The grid of hard cases, for those of its scenes that run."""
+        given = self.config.get("stability", {"scenes": []})
+        known = self.stems("scenes")
+        for index, name in enumerate(given["scenes"]):
+            if name not in known:
+                raise SettingsError(self.file_of("stability", "scenes"), ("stability", "scenes", index), name, f"is no scene; {closest(name, known)}")
+        return given | {"scenes": [name for name in given["scenes"] if name in scenes]}
 
     def file_of(self, *path: str | int) -> Path:
         """The last file that holds this entry of the configuration."""

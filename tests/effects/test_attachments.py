@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import SLENDER, quadratic_body
+from scenes import BEAM, BENDING, LINE, SLENDER, quadratic_body
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
@@ -11,8 +11,29 @@ from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
 
 TIP, AT = {"tip": {"at": [1.0, 0.01], "direction": "y"}}, [1.0, 0.01]
-BENDING, LINE = 104.0e9 * 0.05 * 0.02**3 / 12, 440.0 * 0.05 * 0.02  # EI [N m2], mass a metre [kg/m]
-BEAM = {"inertia": {"density": 440.0}, "elasticity": SLENDER}
+
+
+@pytest.mark.parametrize("effect", [{"cubic_spring": {"linear": 2.0, "cubic": 3.0}}, {"stop": {"gap": 0.1, "stiffness": 5.0, "side": "negative", "damping": 0.2}}])
+def test_tangent_is_the_derivative_of_the_force_for_each_state(effect):
+    """States side by side: pushed in, pulled back so fast that nothing holds it, and away from the stop."""
+    ((name, settings),) = effect.items()
+    made = space.build(quadratic_body(cells=[1, 1], probes=TIP))
+    (force,), dof = effects.assemble(made, {name: {"at": AT, "direction": "y", **settings}}).forces, made.probes["tip"]
+    q, v = np.zeros((2, made.size, 4))
+    q[dof], v[dof] = [-0.4, -0.3, -0.2, 0.3], [1.0, -2.0, 9.0, -1.0]
+    apply, tangent = force.kernels(4)
+
+    def at(q, v):
+        f = np.zeros_like(q)
+        apply(q, v, force.dofs, force.table, f)
+        return f[dof]
+
+    step, move = 1e-6, np.eye(made.size)[:, [dof]] + np.zeros(4)
+    scale_q, scale_v, values = np.array([1.0, 2.0, 3.0, 4.0]), np.array([0.5, 0.0, 1.0, 2.0]), np.zeros((1, 4))
+    tangent(q, v, force.dofs, force.table, np.zeros((1, 1), int), scale_q, scale_v, values)
+    expected = (at(q + step * scale_q * move, v + step * scale_v * move) - at(q - step * scale_q * move, v - step * scale_v * move)) / (2 * step)
+    np.testing.assert_allclose(values[0], expected, atol=1e-8)
+    assert name == "cubic_spring" or (np.flatnonzero(values[0]) == [0, 1]).all()
 
 
 @pytest.mark.parametrize("ratio", [0.5, 5.0])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import skfem
-from scenes import LINEAR, SLENDER, body, quadratic_body
+from scenes import BEAM, BENDING, LINE, LINEAR, body, quadratic_body
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 from skfem.helpers import dot, grad, identity
@@ -15,8 +15,6 @@ from vibrom.solvers.newmark import Newmark, Record
 from vibrom.term import SceneError
 
 TIP = {"tip": {"at": [1.0, 0.01], "direction": "y"}}
-BENDING, LINE = 104.0e9 * 0.05 * 0.02**3 / 12, 440.0 * 0.05 * 0.02  # EI [N m2], mass a metre [kg/m]
-BEAM = {"inertia": {"density": 440.0}, "elasticity": SLENDER}
 
 
 def test_static_deflection_under_a_point_load():
@@ -72,8 +70,10 @@ def test_weight_raises_or_lowers_the_frequency_of_a_hanging_or_standing_beam(pul
 def test_a_column_buckles_under_its_own_weight():
     """Greenhill 1881: m g L^3 = 7.837 EI."""
     eigenmodes(loaded_by_weight(-7.837 * 0.99)[1], 1)
-    with pytest.raises(SceneError, match="the body buckles under its dead load .* lower that load"):
+    with pytest.raises(SceneError, match="the body buckles under its dead load.* lower that load"):
         eigenmodes(loaded_by_weight(-7.837 * 1.01)[1], 1)
+    with pytest.raises(SceneError, match="buckles"):
+        eigenmodes(loaded_by_weight(-40.0)[1], 1)  # far beyond, where no square is near zero
 
 
 def test_deflection_under_weight_and_rest_there():
@@ -82,7 +82,7 @@ def test_deflection_under_weight_and_rest_there():
     term = effects.assemble(made, {**BEAM, "geometric_nonlinearity": {}, "gravity": {}})
     rest, _ = linearised(term)
     assert rest[made.probes["tip"]] == pytest.approx(-LINE * 9.81 / (8 * BENDING), rel=2e-3)
-    motion = Newmark(widest_band=0).run(term, rest[:, None], np.array([1e-4]), 50)
+    motion = Newmark().run(term, rest[:, None], np.array([1e-4]), 50)
     assert motion.outcomes == ["ok"] and np.abs(motion.displacement[0] - rest).max() <= 1e-6 * np.abs(rest).max()
 
 
@@ -143,8 +143,8 @@ def test_flutter_grows_as_its_eigenvalue_says():
     growth = np.sqrt(-squares.astype(complex)).real.max()
     steps, step = 800, 10.0 / growth / 800
     start = rest + 1e-7 * made.dof_location[:, 0] ** 2 * (made.dof_axis == 1)
-    motion = Newmark(widest_band=0, tolerance=1e-8).run(term, start[:, None], np.array([step]), steps, record=Record(every=1))
-    assert motion.outcomes == ["ok"] and motion.iterations <= 3 * steps
+    motion = Newmark(tolerance=1e-8).run(term, start[:, None], np.array([step]), steps, record=Record(every=1))
+    assert motion.outcomes == ["ok"] and motion.iterations <= 4 * steps
     size = np.linalg.norm(motion.displacement[0] - rest, axis=1)
     late = slice(steps // 2, None)
     measured = np.polyfit(step * np.arange(steps + 1)[late], np.log(size[late]), 1)[0]

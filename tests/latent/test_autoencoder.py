@@ -1,10 +1,10 @@
-"""Time derivatives through the network, and the same network in NumPy."""
+"""Time derivatives through the network, their gradients, and the same network in NumPy."""
 
 import numpy as np
 import pytest
 import torch
 
-from vibrom.latent.autoencoder import ACTIVATIONS, SLOPE_AT_REST, Autoencoder, monomials, network, tangent
+from vibrom.latent.autoencoder import ACTIVATIONS, SLOPE_AT_REST, Autoencoder, Polynomial, backward, forward, tangent, tangent_backward
 from vibrom.latent.autoencoder_rom import activate, slope_at_rest
 from vibrom.latent.autoencoder_rom import network as network_in_numpy
 from vibrom.latent.polynomial import exponents
@@ -20,34 +20,62 @@ def draw(seed=0):
     return weights[: len(SIZES) - 1], torch.randn(3, 11, SIZES[0], generator=generator, dtype=torch.float64)
 
 
-@pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
-def test_derivatives_equal_forward_mode_twice(activation):
-    weights, (y, first, second) = draw()
+SCALAR = {"elu": torch.nn.functional.elu, "silu": torch.nn.functional.silu, "tanh": torch.tanh,
+          "softplus": lambda a: torch.nn.functional.softplus(a) - np.log(2.0)}
 
-    def value(at):
-        return network(at[None], weights, activation)[0]
+
+def plain(y, weights, activation):
+    """The network as anyone would write it."""
+    for weight in weights[:-1]:
+        y = SCALAR[activation](y @ weight.T)
+    return y @ weights[-1].T
+
+
+def taylor(stack, weights, activation):
+    """Value, first and second time derivative by forward-mode differentiation, once and twice."""
+    y, first, second = stack
 
     def slope(at, along):
-        return torch.func.jvp(plain, (at,), (along,))[1]
+        return torch.func.jvp(lambda at: plain(at, weights, activation), (at,), (along,))[1]
 
-    def plain(at):
-        for weight in weights[:-1]:
-            at = ACTIVATIONS[activation](at @ weight.T)[0]
-        return at @ weights[-1].T
+    return torch.stack([plain(y, weights, activation), slope(y, first), torch.func.jvp(slope, (y, first), (first, second))[1]])
 
-    bend = torch.func.jvp(slope, (y, first), (first, second))[1]
-    stack = network(torch.stack([y, first, second]), weights, activation)
-    for ours, theirs in zip(stack, (value(y), slope(y, first), bend)):
+
+@pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
+def test_derivatives_equal_forward_mode_twice(activation):
+    weights, stack = draw()
+    assert torch.allclose(forward(stack, weights, activation)[0], taylor(stack, weights, activation), atol=1e-10, rtol=0)
+    assert torch.allclose(forward(stack[:1], weights, activation)[0][0], plain(stack[0], weights, activation), atol=1e-12, rtol=0)
+
+
+@pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
+@pytest.mark.parametrize("channels", [1, 3])
+def test_gradient_equals_automatic_differentiation(activation, channels):
+    weights, stack = draw()
+    stack = stack[:channels].requires_grad_()
+    weights = [weight.requires_grad_() for weight in weights]
+    theirs = plain(stack[0], weights, activation)[None] if channels == 1 else taylor(stack, weights, activation)
+    along = torch.randn(theirs.shape, generator=torch.Generator().manual_seed(2), dtype=torch.float64)
+    expected = torch.autograd.grad(theirs, [stack, *weights], along)
+    with torch.no_grad():
+        _, tape = forward(stack, weights, activation)
+        slopes = [torch.empty_like(weight) for weight in weights]
+        inward = backward(along, weights, tape, slopes, inwards=True)
+    for ours, theirs in zip([inward, *slopes], expected, strict=True):
         assert torch.allclose(ours, theirs, atol=1e-10, rtol=0)
 
 
-@pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
-@pytest.mark.parametrize("channels", [1, 2, 3])
-def test_gradient_equals_differences(activation, channels):
-    weights, stack = draw()
-    # ELU's second derivative jumps at zero; a random draw stays clear of it by more than the step of the differences.
+def test_gradient_of_the_tangent_equals_automatic_differentiation():
+    weights, _ = draw()
     weights = [weight.requires_grad_() for weight in weights]
-    assert torch.autograd.gradcheck(lambda y, *w: network(y, list(w), activation), (stack[:channels].requires_grad_(), *weights), atol=1e-6)
+    along = torch.randn(weights[-1].shape[0], weights[0].shape[1], generator=torch.Generator().manual_seed(2), dtype=torch.float64)
+    at_rest = torch.func.jacrev(lambda y: plain(y, weights, "silu"))(torch.zeros(weights[0].shape[1], dtype=torch.float64))
+    assert torch.allclose(tangent(weights, "silu"), at_rest, atol=1e-14)
+    expected = torch.autograd.grad(at_rest, weights, along)
+    slopes = [torch.zeros_like(weight) for weight in weights]
+    with torch.no_grad():
+        tangent_backward(along, weights, "silu", slopes)
+    assert all(torch.allclose(ours, theirs, atol=1e-13) for ours, theirs in zip(slopes, expected, strict=True))
 
 
 @pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
@@ -55,7 +83,7 @@ def test_numpy_equals_torch(activation):
     weights, stack = draw()
     arrays = [weight.numpy() for weight in weights]
     ours = network_in_numpy(arrays, np.zeros((SIZES[-1], SIZES[0])), activation, stack.numpy(), curved=True)
-    assert np.allclose(ours, network(stack, weights, activation).numpy(), atol=1e-14)
+    assert np.allclose(ours, forward(stack, weights, activation)[0].numpy(), atol=1e-14)
     assert np.allclose(slope_at_rest(arrays, activation), tangent(weights, activation).numpy(), atol=1e-15)
     assert activate(activation, np.zeros(1), 1)[1][0] == SLOPE_AT_REST[activation]
 
@@ -67,14 +95,20 @@ def test_fixed_tangent_is_the_decoders_slope_at_rest():
     weights = shape.initial(generator)
     rest = torch.zeros(1, SIZES[-1], dtype=torch.float64)
     for axis, along in enumerate(torch.eye(SIZES[-1], dtype=torch.float64)):
-        slope = shape.decode(torch.stack([rest, along[None]]), weights)[1][0]
+        slope = shape.decode(torch.stack([rest, along[None], rest]), weights)[0][1, 0]
         assert torch.allclose(slope, column[:, axis], atol=1e-14)
 
 
-def test_monomials_equal_numpy():
-    y = torch.randn(9, 4, dtype=torch.float64)
+def test_monomials_equal_numpy_and_their_slopes_differences():
+    y = torch.randn(9, 4, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
     powers = exponents(4, 1, 4)
-    assert np.allclose(monomials(y, powers).numpy(), monomials_in_numpy(y.numpy(), powers), atol=1e-14)
+    polynomial = Polynomial(powers, torch.device("cpu"))
+    values, slopes = polynomial.monomials(y)
+    assert np.allclose(values.numpy(), monomials_in_numpy(y.numpy(), powers), atol=1e-14)
+    step = 1e-5  # the differences' own error is the square of that, times third derivatives of some tens
+    for axis, along in enumerate(step * np.eye(4)):
+        differences = (monomials_in_numpy(y.numpy() + along, powers) - monomials_in_numpy(y.numpy() - along, powers)) / (2 * step)
+        assert np.allclose(slopes[axis].numpy(), differences, atol=1e-7)
 
 
 def test_initial_weights_follow_the_seed():

@@ -107,6 +107,7 @@ class Tree:
                 "trajectory", scene, "full_order", role)
         self.forced_run(scene, "full_order", None, 1.0, "ok")
         self.curve(scene, "full_order", None, 1.0, False)
+        self.worth(scene)
         self.save(self.backbone(scene, 1.0), "backbone", scene, "full_order", "backbone")
         self.save(self.pair(-4.0, OMEGA), "eigenvalues", scene, "full_order", "eigenvalues")
         pair = {"real_per_s": (-4.0, "1/s"), "imaginary_rad_per_s": (OMEGA, "rad/s")}
@@ -114,6 +115,31 @@ class Tree:
         times = {"decay_s": (2.0, "s"), "forced_s": (13.0, "s"), "frc_s": (400.0, "s")}
         self.save(scored(xr.Dataset(outcome_variables("ok")), times), "run_times", scene, "full_order", "run_times")
         self.score(scene, "full_order", None, "run_times", times)
+
+    def worth(self, scene):
+        """Without damping nothing decays, and a step costs half; elasticity cannot be left out, and without its stop the body fails."""
+        time, last = np.arange(0, 6 * PERIOD, PERIOD / 20), np.arange(21) * PERIOD / 20
+        left_out = np.array(["nothing", "elasticity", "rayleigh_damping", "stop"], dtype=object)
+        known = np.array([1.0, np.nan, 1.0, np.nan])
+        amplitude = SIZE[scene] * np.array([0.5, np.nan, 0.75, np.nan])
+        decay = SIZE[scene] * np.array([1.0, 2.7])[:, None] * np.cos(OMEGA * time) * np.exp(-np.array([30, 30, 0, 30])[:, None, None] * time)
+        at = ("left_out", "probe")
+        self.save(xr.Dataset({
+            "first_frequency": variable("left_out", OMEGA * known, "rad/s", "frequency"),
+            "decay_nmte": variable("left_out", [0.0, np.nan, 16.0, np.nan], "percent", "NMTE"),
+            "decay_frequency": variable(at, np.outer(OMEGA * known, [1, 1]), "rad/s", "frequency"),
+            "decay_amplitude": variable(at, np.outer(amplitude, [1, 2.7]), "m", "amplitude"),
+            "forced_amplitude": variable(at, np.outer(amplitude, [1, 2.7]), "m", "amplitude"),
+            "decay_displacement": variable((*at, "time"), decay * known[:, None, None], "m", "decay"),
+            "forced_displacement": variable((*at, "last_time"), np.einsum("i,j,k->ijk", amplitude, [1, 2.7], np.sin(OMEGA * last)), "m", "forced"),
+            "iterations_per_step": variable("left_out", 2 * known, "1", "iterations"),
+            "seconds_per_step": variable("left_out", 2e-5 * known * [1, 1, 0.5, 1], "s", "wall time"),
+            "seconds_ratio": variable("left_out", known * [1, 1, 2, 1], "1", "ratio"),
+            "outcome": variable("left_out", np.array(["ok", "needed_by modal_load", "ok", "no_convergence"], dtype=object), "1", "outcome"),
+            "failed_at": variable("left_out", [np.nan, np.nan, np.nan, 0.01], "s", "failure"),
+        }, coords={"left_out": variable("left_out", left_out, "1", "effect"), "time": variable("time", time, "s", "time"),
+                   "last_time": variable("last_time", last, "s", "time"), "probe": variable("probe", np.array(PROBES, dtype=object), "1", "probe")}),
+            "effects", scene, "full_order", "effects")
 
     def decay_at_probes(self, scene, time):
         return SIZE[scene] * np.array([1.0, 2.7])[:, None] * np.exp(-4 * time) * np.cos(OMEGA * time)

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from vibrom.report import names
@@ -54,6 +55,12 @@ def test_a_model_that_could_not_be_fitted_says_why(collection, scores, name):
     assert "training diverged: the loss became infinite in epoch 7" in words
 
 
+def test_effects_that_cannot_be_left_out_say_who_needs_them(drawn):
+    words = said(drawn["effects_small"])
+    assert "needed by modal load" in words and "without rayleigh damping: decay NMTE 16 %" in words and "no convergence" in words
+    assert len(drawn["effects_small"].axes) == 3  # decay, forced run and seconds: of the others there is nothing to draw
+
+
 def test_panels_name_the_method_and_the_seed_that_is_drawn(drawn):
     words = said(drawn["decay_small"])
     assert "SPLIT, seed 0: 3 %" in words and "SPLIT+, seed 1: 1 %" in words and "Modal projection: 1.5 %" in words
@@ -86,6 +93,16 @@ def test_outline_of_a_beam_is_one_closed_loop(collection):
 
     loops = outline(collection.find("small", "full_order", "structure"))
     assert len(loops) == 1 and len(loops[0]) == 2 * (8 + 2) + 1 and loops[0][0] == loops[0][-1]
+
+
+def test_mid_side_nodes_of_quadratic_elements_move_no_corner(collection):
+    from vibrom.report.figures.body import displacement
+
+    structure = collection.find("small", "full_order", "structure")
+    free, dof_node = np.ones(structure.sizes["dof"]), structure["dof_node"].copy()
+    dof_node[3:5] = -1
+    moved = displacement(structure.assign(dof_node=dof_node), free)
+    assert moved.sum() == structure.sizes["dof"] - 2
 
 
 def test_all_formats_and_the_same_bytes_twice(tree, tmp_path):

@@ -125,13 +125,13 @@ def test_a_file_without_a_caption_is_named():
         captions.parse("no title here", "mine.rst")
 
 
-def test_no_failures_no_hard_cases(collection, scores):
+def test_only_failures_are_hard_cases(collection, scores):
     from vibrom.report import hard_cases
     from vibrom.report.scores import Scores
 
     good = Scores(scores.frame.assign(outcome="ok"))
-    assert len(hard_cases.table(collection, good)) == 0
-    hard = hard_cases.table(collection, scores).set_index("Model")
+    assert list(hard_cases.table(collection, good)["Asked for"]) == ["without stop"] * 2  # not elasticity, which cannot be left out
+    hard = hard_cases.table(collection, scores).set_index("Model").drop("Full order")
     assert list(hard.index) == ["Modal projection", "SPLIT", "SPLIT+"]
     assert list(hard["Outcome"]) == ["diverged", "diverged", "training_diverged"]
     assert hard.loc["SPLIT", "Seeds"] == "1" and hard.loc["SPLIT", "Asked for"] == "forced"

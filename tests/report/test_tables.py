@@ -185,3 +185,27 @@ def test_a_model_that_was_not_run_says_why(tree, collection, scores):
     for seed in ("seed_0", "seed_1", "seed_2"):
         loaders["small", "split", seed, "rom"] = lambda: skipped
     assert row(tables.build("decay", Collection(loaders), fewer), "small", "split")["outcome"] == "skipped"
+
+
+def test_what_an_effect_is_worth_stands_beside_the_whole_scene(frames):
+    frame = frames["effects"][frames["effects"]["case"] == "small"].set_index("left_out")
+    assert list(frame.index) == ["nothing", "elasticity", "rayleigh_damping", "stop"]
+    less = frame.loc["rayleigh_damping"]
+    assert (less["decay_nmte_percent"], less["omega_1_rad_per_s_change_percent"], less["seconds_ratio"]) == (16.0, 0.0, 2.0)
+    assert less["decay_amplitude_m_change_percent"] == pytest.approx(50.0) and less["decay_amplitude_m"] == pytest.approx(0.05 * 0.75)
+    assert (less["microseconds_per_step_with"], less["microseconds_per_step_without"]) == pytest.approx((20.0, 10.0))
+    printed = presentation.readable("effects", frame.reset_index()).set_index("Left out")
+    assert printed.loc["rayleigh_damping", "Decay amplitude [m]"] == "0.03750 (+50 %)"
+    assert printed.loc["rayleigh_damping", "ω1 [rad/s]"] == "400.0"  # nothing changed, nothing beside it
+    assert presentation.marks("effects", frame.reset_index()) == ["reference", "", "", "failed"]
+
+
+def test_tables_of_a_family_need_no_scores_and_no_reduced_model(tree, tmp_path, frames):
+    path = str(tmp_path / "effects.csv")
+    step.run(artefacts=[name for name in tree.artefacts if name.endswith("/effects.nc")], tables=[path])
+    pd.testing.assert_frame_equal(pd.read_csv(path), frames["effects"], check_dtype=False)
+
+
+def test_small_changes_are_printed_with_two_digits_and_none_not_at_all():
+    said = [presentation.with_change("1", change) for change in (0.0, 0.004, -0.02, 1.27, -9.96, 62.4, -100.0, np.nan)]
+    assert said == ["1", "1", "1 (-0.02 %)", "1 (+1.3 %)", "1 (-10 %)", "1 (+62 %)", "1 (-100 %)", "1"]

@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import SLENDER, quadratic_body
+from scenes import BENDING, SLENDER, quadratic_body
 from scipy.integrate import simpson, solve_bvp
+from scipy.optimize import brentq
 
 from vibrom import effects, space
 from vibrom.solvers import static
 from vibrom.term import Force, Term
 
-YOUNG, BENDING = 104.0e9, 104.0e9 * 0.05 * 0.02**3 / 12
+YOUNG = SLENDER["young_modulus"]
 STATIC = {"elasticity": SLENDER, "geometric_nonlinearity": {}}
 
 
@@ -45,6 +46,26 @@ def test_a_compressed_bar_has_a_limit_load():
     stretch = 1.0 + shapes[:, made.probes["end"]]
     np.testing.assert_allclose(levels, YOUNG * stretch * (1 - stretch**2) / 2, atol=1e-6 * YOUNG)
     assert stretch[-1] < 1 / np.sqrt(3) - 0.1 and 0.99 < levels.max() / (YOUNG / (3 * np.sqrt(3))) <= 1.0 + 1e-6
+
+
+def test_a_clamped_beam_stretches_when_it_bends():
+    """EI w'''' - T w'' = q between walls: w' = -(q/T)(x - a sinh(n x)/sinh(n a)) from the middle, n^2 = T/EI; its lengthening gives T = EA/(4a) int w'^2."""
+    height, a = 0.02, 0.5
+    made = space.build(quadratic_body(cells=[20, 1], clamped=["left", "right"], probes={"middle": {"at": [0.5, 0.01], "direction": "y"}}))
+
+    def load_and_deflection(tension):
+        n = np.sqrt(tension / BENDING)
+        sinh, cosh = np.sinh(n * a), np.cosh(n * a)
+        square = 2 * a**3 / 3 - 4 * a * (a * cosh / sinh / n - 1 / n**2) + a**2 * (sinh * cosh / n - a) / sinh**2
+        load = tension * np.sqrt(4 * a * tension / (YOUNG * 0.05 * height * square))
+        return load, load / tension * (a**2 / 2 - a * (cosh - 1) / (n * sinh))
+
+    for deflection in (0.01, 0.03):  # half and one and a half times the height
+        tension = brentq(lambda tension: load_and_deflection(tension)[1] - deflection, 1.0, 1e7)
+        gravity = {"y": -load_and_deflection(tension)[0] / (0.05 * height)}
+        term = effects.assemble(made, {"inertia": {"density": 1.0}, **STATIC, "gravity": gravity})
+        # Shear adds some (h/L)^2 times ten to the bending part: 0.4 %.
+        assert static.equilibrium(term)[made.probes["middle"]] == pytest.approx(-deflection, rel=4e-3)
 
 
 def arch_limit(rise, a, bending, stretching):

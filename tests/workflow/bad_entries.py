@@ -5,9 +5,9 @@ SCENE, METHOD, CONFIG = "config/scenes/folding.yaml", "config/methods/split.yaml
 BAD = {
     "unknown effect": (
         SCENE,
-        "effects.gravitty",
-        {"g": 9.81},
-        ["effects.gravitty", "9.81", "is no effect", "choose from"],
+        "effects.magnetism",
+        {"tesla": 1.5},
+        ["effects.magnetism", "1.5", "is no effect", "choose from"],
     ),
     "misspelt effect": (SCENE, "effects.inertial", {"density": 1.0}, ["effects.inertial", "did you mean 'inertia'?"]),
     "unknown scene": (CONFIG, "scenes", ["foldin"], ["scenes[0]", "'foldin'", "did you mean 'folding'?"]),
@@ -64,6 +64,24 @@ BAD = {
         ["body.probes.probe.at", "the nearest one is [0.525, 0.0]"],
     ),
     "clamped probe": (SCENE, "body.probes.tip.at", [0.0, 0.0], ["body.probes.tip.at", "clamped left edge"]),
+    "load between nodes": (
+        SCENE,
+        "effects.point_load",
+        {"at": [0.53, 0.0], "direction": "y"},
+        ["effects.point_load.at", "the nearest one is [0.525, 0.0]"],
+    ),
+    "clamped spring": (
+        SCENE,
+        "effects.cubic_spring",
+        {"at": [0.0, 0.02], "direction": "y", "linear": 1.0},
+        ["effects.cubic_spring.at", "clamped left edge"],
+    ),
+    "stop inside the body": (
+        SCENE,
+        "effects.stop",
+        {"at": [1.0, 0.0], "direction": "y", "gap": -0.1, "stiffness": 1.0},
+        ["effects.stop.gap = -0.1", "at least 0"],
+    ),
     "sweep backwards": (SCENE, "frc.from", 1.3, ["frc.from = 1.3", "frc.to = 1.2", "swap"]),
     "unknown setting of a method": (METHOD, "settings.epoch", 3, ["settings.epoch = 3", "did you mean 'epochs'?"]),
     "type of a setting": (METHOD, "settings.epochs", "many", ["settings.epochs = 'many'", "a whole number"]),
@@ -103,4 +121,8 @@ BAD = {
         {"folding": {"time": {"alpha": 2}}},
         ["scene_settings.folding.time.alpha = 2", "at most 1"],
     ),
+    "unknown scene of the hard cases": (CONFIG, "stability.scenes", ["foldin"], ["stability.scenes[0] = 'foldin'", "did you mean 'folding'?"]),
+    "unknown key of a guard": (CONFIG, "stability.guards.bounded", {"extrapolate": "linear"}, ["stability.guards.bounded.extrapolate", "did you mean 'extrapolation'?"]),
+    "unknown guard of a method": (METHOD, "settings.extrapolation", "flat", ["settings.extrapolation = 'flat'", "choose from none, linear"]),
+    "unknown integrator": (CONFIG, "integrator.method", "dop583", ["integrator.method = 'dop583'", "did you mean 'dop853'?"]),
 }

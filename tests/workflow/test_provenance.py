@@ -2,12 +2,14 @@
 
 import json
 import shutil
+import subprocess
+import sys
 
 import pytest
 
 from vibrom import plugs, provenance
 
-CACHED = [plugs.tree, provenance.imports, provenance.modules_behind, provenance.module_digest, provenance.data_digest, provenance.attributes]
+CACHED = [plugs.tree, provenance._store, provenance._read, provenance.imports, provenance.modules_behind, provenance.data_digest, provenance.attributes]
 
 
 @pytest.fixture
@@ -108,3 +110,18 @@ def test_published_numbers_remake_tables_and_no_model(package):
     rewrite(package / "report/published/decay.csv", "0.99619", "0.99618")
     # The scores share the collection of artefacts with the tables.
     assert changed(before) == {"scores", "tables"}
+
+
+def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monkeypatch):
+    """Three processes: one that parses, one that finds what the first read, one after an edit that keeps the file's length."""
+    code = "from vibrom import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    monkeypatch.setenv("PYTHONPATH", str(package.parent))
+
+    def process() -> list[str]:
+        return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+    (first, parsed), (second, again) = process(), process()
+    assert int(parsed) > 5 and int(again) == 0 and first == second
+    rewrite(package / "methods/ssmlearn.py", "order_dynamics: int = 3", "order_dynamics: int = 5")
+    third, once = process()
+    assert third != first and int(once) == 1

@@ -58,6 +58,14 @@ def test_the_repository_is_valid_with_every_overlay(root):
     assert literal.scenes["small"]["time"]["every"] == 1
     assert load(root, root / "config/cost_full.yaml").cost["scenes"] == ["small", "large", "folding"]
     load(root, root / "tests/workflow/small_dag.yaml")
+    whole = load(root, root / "config/stability_full.yaml")
+    assert plain.stability["scenes"] == ["folding"] and whole.stability["scenes"] == ["small", "large", "folding"] and whole.stability["periods"] == 1000
+
+
+def test_every_scene_file_is_valid(project):
+    names = sorted(path.stem for path in (project / "config/scenes").glob("*.yaml"))
+    change(project / "config/config.yaml", "scenes", names)
+    assert {"small", "cantilever_unlocked", "clamped_clamped", "shallow_arch", "tip_mass_stop"} <= set(load(project).scenes)
 
 
 def test_numbers_without_a_dot_or_sign_are_numbers():

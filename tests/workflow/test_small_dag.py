@@ -13,6 +13,7 @@ from vibrom.report import names
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
+HARD = {"model_stability", "stability_tables", "stability_figures"}
 SINKS = {"scores", "tables", "figures", "report", "tracking", "headline", "all"}
 
 
@@ -23,13 +24,13 @@ class Run:
         self.folder = copy(folder, "src")
         self.results = self.folder / "results"
 
-    def snakemake(self, *arguments):
+    def snakemake(self, *arguments, overlays=()):
         overlay = ROOT / "tests/workflow/small_dag.yaml"
-        return command(self.folder, *arguments, "--configfile", str(overlay), PYTHONPATH=str(self.folder / "src"))
+        return command(self.folder, *arguments, "--configfile", str(overlay), *overlays, PYTHONPATH=str(self.folder / "src"))
 
-    def planned(self, *arguments: str) -> dict[str, int]:
+    def planned(self, *arguments: str, overlays=()) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules")
+        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules", overlays=overlays)
         assert plan.returncode == 0, plan.stdout + plan.stderr
         table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
         return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
@@ -50,7 +51,7 @@ def run(tmp_path_factory):
 def test_every_artefact_is_there_and_says_what_made_it(run):
     folders = [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]
     for folder in folders:
-        for name in ("rom", "losses", *EXPERIMENTS):
+        for name in ("rom", "losses", *EXPERIMENTS, "stability"):
             data = open_dataset(run.results / "folding" / folder / f"{name}.nc", name)
             assert data.attrs["scene"] == "folding" and data.attrs["method"] == folder.split("/")[0]
             assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(data.attrs["versions"])
@@ -61,8 +62,8 @@ def test_every_artefact_is_there_and_says_what_made_it(run):
 
 
 def test_every_table_figure_and_page_is_there(run):
-    wanted = [f"tables/{name}.{form}" for name in names.TABLES for form in names.TABLE_FORMATS]
-    wanted += [f"figures/{name}.{form}" for name in names.figures(["folding"]) for form in names.FIGURE_FORMATS]
+    wanted = [f"tables/{name}.{form}" for name in (*names.TABLES, *names.STABILITY_TABLES) for form in names.TABLE_FORMATS]
+    wanted += [f"figures/{name}.{form}" for name in (*names.figures(["folding"]), *names.stability_figures(["folding"])) for form in names.FIGURE_FORMATS]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (run.results / name).stat().st_size > 0, name
 
@@ -107,6 +108,19 @@ def test_list_shows_one_rule_a_method(run):
     assert {f"fit_{method}" for method in SEEDED + FITTED_ONCE} <= set(listed)
 
 
+def test_effects_are_asked_without_any_reduced_model(run):
+    answer = run.snakemake("effects", "--dry-run", "--forceall", "--quiet", "rules")
+    jobs = set(re.findall(r"^(\w+) +\d+$", (answer.stdout + answer.stderr).partition("Job stats:")[2], re.MULTILINE)) - {"total"}
+    assert jobs == {"structure", "release", "full_order_effects", "effects_tables", "effects_figures", "effects"}
+
+
+def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
+    path = run.folder / "small_effects.yaml"
+    path.write_text("effects: {decay_periods: 3}\n")
+    jobs = run.planned(overlays=(str(path),))
+    assert set(jobs) == {"full_order_effects", "effects_tables", "effects_figures", "report", "tracking", "headline", "all"}
+
+
 def test_editing_a_method_runs_only_its_jobs_again(run):
     path = run.folder / "src/vibrom/methods/ssmlearn.py"
     before = path.read_text()
@@ -116,8 +130,8 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     jobs = run.planned()
     path.write_text(before)
     # Its variant is fitted by the same code.
-    fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys(EXPERIMENTS, 2)
-    assert jobs == {**fits, **asked, "cost_reduced": 1, **dict.fromkeys(SINKS, 1)}
+    fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys((*EXPERIMENTS, "model_stability"), 2)
+    assert jobs == {**fits, **asked, "cost_reduced": 1, **dict.fromkeys(SINKS | HARD - {"model_stability"}, 1)}
     assert run.planned() == {}
 
 
@@ -127,7 +141,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, "cost_reduced", *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, "cost_reduced", *HARD, *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):

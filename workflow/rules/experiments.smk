@@ -22,16 +22,16 @@ def artefacts(experiment, needs, model):
     return inputs
 
 
+def model_modules(wildcards):
+    """The modules of the model that is asked; none for the full order."""
+    method = getattr(wildcards, "method", None)
+    outside = METHODS[method].get("rom_class") if method else None
+    return [outside.split(":")[0].removeprefix("vibrom.")] if outside else [f"methods.{SETTINGS.kind_of(method)}"] if method else []
+
+
 def experiment_code(experiment):
     """The code of the experiment and of the model that it asks."""
-
-    def attributes(wildcards):
-        method = getattr(wildcards, "method", None)
-        outside = METHODS[method].get("rom_class") if method else None
-        model = [outside.split(":")[0].removeprefix("vibrom.")] if outside else [f"methods.{SETTINGS.kind_of(method)}"] if method else []
-        return code("experiment", f"experiments.{experiment}", *model)
-
-    return attributes
+    return lambda wildcards: code("experiment", f"experiments.{experiment}", *model_modules(wildcards))
 
 
 for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():

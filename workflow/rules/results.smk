@@ -1,5 +1,5 @@
 # From the artefacts of all models to scores, tables, figures, the report and MLflow.
-from vibrom.report.names import FIGURE_FORMATS, TABLE_FORMATS, TABLES
+from vibrom.report.names import FIGURE_FORMATS, STABILITY_TABLES, TABLE_FORMATS, TABLES, of_family, stability_figures
 from vibrom.report.names import captions as caption_names
 from vibrom.report.names import figures as figure_names
 from vibrom.report.names import split as figure_group
@@ -19,6 +19,12 @@ FULL_ORDER_FILES = [
     f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in SCENES for name in FULL_ORDER_NAMES
 ]
 ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS + COST_ARTEFACTS
+EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
+
+# The grid of hard cases has rules of its own; what they show is part of the page.
+HARD = SETTINGS.stability["scenes"]
+HARD_TABLES = [f"<results>/tables/{name}.{form}" for name in STABILITY_TABLES if HARD for form in TABLE_FORMATS]
+HARD_FIGURES = [f"<results>/figures/{name}.{form}" for name in stability_figures(HARD) for form in FIGURE_FORMATS]
 
 
 def shown(path, kind, name):
@@ -30,6 +36,29 @@ def shown(path, kind, name):
         category=kind.capitalize(),
         labels={kind[:-1]: name.replace("_", " ")},
     )
+
+
+def table_files(family=None):
+    """The tables of a family of experiments, or of the reduced models."""
+    return [
+        shown(path, "tables", name) if form == "html" else path
+        for name in of_family("tables", family, TABLES)
+        for form in TABLE_FORMATS
+        for path in [f"<results>/tables/{name}.{form}"]
+    ]
+
+
+def figure_files(family=None):
+    return [
+        shown(path, "figures", name) if form == "svg" else path
+        for name in of_family("figures", family, figure_names(SCENES))
+        for form in FIGURE_FORMATS
+        for path in [f"<results>/figures/{name}.{form}"]
+    ]
+
+
+ALL_TABLES = [f"<results>/tables/{name}.{form}" for name in TABLES for form in TABLE_FORMATS]
+ALL_FIGURES = [f"<results>/figures/{name}.{form}" for name in figure_names(SCENES) for form in FIGURE_FORMATS]
 
 
 rule scores:
@@ -52,12 +81,7 @@ rule tables:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS,
     output:
-        tables=[
-            shown(path, "tables", name) if form == "html" else path
-            for name in TABLES
-            for form in TABLE_FORMATS
-            for path in [f"<results>/tables/{name}.{form}"]
-        ],
+        tables=table_files(),
     log:
         "<logs>/tables.log",
     params:
@@ -73,12 +97,7 @@ rule figures:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS,
     output:
-        figures=[
-            shown(path, "figures", name) if form == "svg" else path
-            for name in figure_names(SCENES)
-            for form in FIGURE_FORMATS
-            for path in [f"<results>/figures/{name}.{form}"]
-        ],
+        figures=figure_files(),
     log:
         "<logs>/figures.log",
     benchmark:
@@ -94,9 +113,9 @@ rule figures:
 rule report:
     input:
         scores=rules.scores.output.scores,
-        artefacts=ARTEFACTS,
-        tables=rules.tables.output.tables,
-        figures=rules.figures.output.figures,
+        artefacts=ARTEFACTS + EFFECTS_FILES,
+        tables=ALL_TABLES + HARD_TABLES,
+        figures=ALL_FIGURES + HARD_FIGURES,
         captions=[f"{CAPTIONS}/{name}" for name in caption_names(SCENES)],
     output:
         report="<results>/report.html",
@@ -114,8 +133,8 @@ rule tracking:
     input:
         scores=rules.scores.output.scores,
         fitted=FITTED,
-        tables=rules.tables.output.tables,
-        figures=rules.figures.output.figures,
+        tables=ALL_TABLES,
+        figures=ALL_FIGURES,
     output:
         store="<results>/mlflow.db",
         artifacts=directory("<results>/mlflow_artifacts"),
@@ -137,7 +156,7 @@ rule headline:
         rules.tracking.output.store,
         scores=rules.scores.output.scores,
         report=rules.report.output.report,
-        tables=rules.tables.output.tables,
+        tables=ALL_TABLES,
     output:
         headline="<results>/headline.txt",
     log:

@@ -6,7 +6,8 @@ A motion is a stack (channel, sample, dof) of value, first and second time deriv
 
     y = s(a),    y' = s'(a) a',    y'' = s''(a) a'^2 + s'(a) a''
 
-so derivatives cost two more forward passes and no nested differentiation. Without biases rest maps to rest. E and D are an optional known
+so derivatives cost two more forward passes and no nested differentiation. The gradient of a loss is written out too: recording each product
+for automatic differentiation takes longer than these small products themselves. Without biases rest maps to rest. E and D are an optional known
 linear part; subtracting the network's own tangent makes D the exact tangent of the decoder at rest.
 """
 
@@ -17,27 +18,31 @@ import numpy as np
 import torch
 
 Stack = torch.Tensor  # (channel, sample, dof)
+Weights = list[torch.Tensor]  # of each layer (out, in), or their gradient
+Tape = list[tuple]  # of each layer: its input, and of hidden ones s', s'' a', s''' a'^2 + s'' a''
 
 
-def _elu(a):
+def _elu(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
     bent = torch.exp(a.clamp(max=0.0))
-    second = torch.where(a > 0.0, torch.zeros_like(a), bent)
+    second = torch.where(a > 0.0, 0.0, bent)
     return torch.where(a > 0.0, a, bent - 1.0), bent, second, second
 
 
-def _silu(a):
+def _silu(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
     s = torch.sigmoid(a)
-    r, u = s * (1.0 - s), 1.0 - 2.0 * s
-    return a * s, s + a * r, r * (2.0 + a * u), r * (3.0 * u + a * (u * u - 2.0 * r))
+    r, u = torch.addcmul(s, s, s, value=-1.0), torch.rsub(s, 1.0, alpha=2.0)
+    second = (a * u).add_(2.0).mul_(r)
+    third = (u * u).sub_(r, alpha=2.0).mul_(a).add_(u, alpha=3.0).mul_(r)
+    return a * s, torch.addcmul(s, a, r), second, third
 
 
-def _tanh(a):
+def _tanh(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
     t = torch.tanh(a)
     first = 1.0 - t * t
     return t, first, -2.0 * t * first, first * (6.0 * t * t - 2.0)
 
 
-def _softplus(a):
+def _softplus(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
     s = torch.sigmoid(a)
     r = s * (1.0 - s)
     return torch.nn.functional.softplus(a) - log(2.0), s, r, r * (1.0 - 2.0 * s)
@@ -48,48 +53,61 @@ ACTIVATIONS = {"elu": _elu, "silu": _silu, "tanh": _tanh, "softplus": _softplus}
 SLOPE_AT_REST = {"elu": 1.0, "silu": 0.5, "tanh": 1.0, "softplus": 0.5}
 
 
-class _Activate(torch.autograd.Function):
-    """s of a stack with one to three channels. Written out, because recording each product costs three times as much."""
-
-    @staticmethod
-    def forward(ctx, a: Stack, name: str) -> Stack:
-        value, first, second, third = ACTIVATIONS[name](a[0])
-        y = torch.empty_like(a)
-        y[0] = value
-        if len(a) > 1:
-            torch.mul(first, a[1], out=y[1])
-        if len(a) > 2:
-            torch.mul(first, a[2], out=y[2])
-            y[2].addcmul_(second * a[1], a[1])
-        ctx.save_for_backward(a, first, second, third)
-        return y
-
-    @staticmethod
-    def backward(ctx, gradient: Stack):
-        a, first, second, third = ctx.saved_tensors
-        back = gradient * first
-        if len(a) > 1:
-            bend = second * a[1]
-            back[0].addcmul_(gradient[1], bend)
-        if len(a) > 2:
-            back[0].addcmul_(gradient[2], (third * a[1]).mul_(a[1]).addcmul_(second, a[2]))
-            back[1].addcmul_(gradient[2], bend, value=2.0)
-        return back, None
-
-
-def network(y: Stack, weights: list[torch.Tensor], activation: str) -> Stack:
-    """N and its time derivatives, for a stack of one to three channels."""
+def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
+    """N and its time derivatives, for a stack of one or three channels, and what `backward` needs of the way there."""
+    tape = []
     for weight in weights[:-1]:
-        y = _Activate.apply(y @ weight.T, activation)
-    return y @ weights[-1].T
+        a = y @ weight.T
+        value, first, second, third = ACTIVATIONS[activation](a[0])
+        out = torch.empty_like(a)
+        out[0] = value
+        bend = curl = None
+        if len(a) == 3:
+            bend = second * a[1]
+            torch.mul(a[1:], first, out=out[1:])
+            out[2].addcmul_(bend, a[1])
+            curl = (third * a[1]).mul_(a[1]).addcmul_(second, a[2])
+        tape.append((y, first, bend, curl))
+        y = out
+    return y @ weights[-1].T, [*tape, (y,)]
 
 
-def tangent(weights: list[torch.Tensor], activation: str) -> torch.Tensor:
+def backward(g: Stack, weights: Weights, tape: Tape, slopes: Weights, inwards: bool) -> Stack | None:
+    """From the gradient g with respect to N: that with respect to each weight goes to `slopes`; that with respect to y is returned, if asked for."""
+    for place in reversed(range(len(weights))):
+        y, *bent = tape[place]
+        if place < len(weights) - 1:
+            first, bend, curl = bent
+            back = g * first
+            if bend is not None:
+                back[0].addcmul_(g[1], bend).addcmul_(g[2], curl)
+                back[1].addcmul_(g[2], bend, value=2.0)
+            g = back
+        flat = g.flatten(0, 1)
+        torch.mm(flat.T, y.flatten(0, 1), out=slopes[place])
+        if place or inwards:
+            g = (flat @ weights[place]).view(*g.shape[:2], -1)
+    return g if inwards else None
+
+
+def tangent(weights: Weights, activation: str) -> torch.Tensor:
     """N'(0)."""
     product = weights[0]
     for weight in weights[1:]:
         product = SLOPE_AT_REST[activation] * (weight @ product)
     return product
+
+
+def tangent_backward(g: torch.Tensor, weights: Weights, activation: str, slopes: Weights) -> None:
+    """Adds to `slopes` what follows from the gradient g with respect to N'(0)."""
+    before = [weights[0]]
+    for weight in weights[1:-1]:
+        before.append(SLOPE_AT_REST[activation] * (weight @ before[-1]))
+    for place in reversed(range(1, len(weights))):
+        g = SLOPE_AT_REST[activation] * g
+        slopes[place].addmm_(g, before[place - 1].T)
+        g = weights[place].T @ g
+    slopes[0].add_(g)
 
 
 @dataclass(frozen=True)
@@ -115,29 +133,65 @@ class Autoencoder:
         """Xavier: uniform within sqrt(6 / (inputs + outputs)). Drawn on the CPU in float64, so every device starts alike."""
         return [(2.0 * torch.rand(shape, generator=generator, dtype=torch.float64) - 1.0) * sqrt(6.0 / sum(shape)) for shape in self.shapes]
 
-    def encode(self, q: Stack, weights: list[torch.Tensor]) -> Stack:
-        z = network(q, weights[: len(self.sizes) - 1], self.activation)
-        return z if self.encoder_linear is None else z + q @ self.encoder_linear.T
+    def encode(self, q: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        z, tape = forward(q, self._encoder(weights), self.activation)
+        return (z if self.encoder_linear is None else z.add_(q @ self.encoder_linear.T)), tape
 
-    def linear_decoder(self, weights: list[torch.Tensor]) -> torch.Tensor | None:
+    def encode_backward(self, g: Stack, weights: Weights, tape: Tape, slopes: Weights) -> None:
+        """From the gradient with respect to z, that with respect to the encoder's weights."""
+        backward(g, self._encoder(weights), tape, self._encoder(slopes), inwards=False)
+
+    def linear_decoder(self, weights: Weights) -> torch.Tensor | None:
         """What multiplies z beside the network: D, less N_v'(0) where the tangent is fixed."""
         if self.decoder_linear is None or not self.fixed_tangent:
             return self.decoder_linear
-        return self.decoder_linear - tangent(weights[len(self.sizes) - 1:], self.activation)
+        return self.decoder_linear - tangent(self._decoder(weights), self.activation)
 
-    def decode(self, z: Stack, weights: list[torch.Tensor]) -> Stack:
-        q = network(z, weights[len(self.sizes) - 1:], self.activation)
+    def decode(self, z: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        q, tape = forward(z, self._decoder(weights), self.activation)
         linear = self.linear_decoder(weights)
-        return q if linear is None else q + z @ linear.T
+        return (q if linear is None else q.add_(z @ linear.T)), tape
+
+    def decode_backward(self, g: Stack, z: Stack, weights: Weights, tape: Tape, slopes: Weights) -> Stack:
+        """From the gradient with respect to q, those with respect to the decoder's weights and to z."""
+        decoder, found = self._decoder(weights), self._decoder(slopes)
+        inner = backward(g, decoder, tape, found, inwards=True)
+        if self.decoder_linear is None:
+            return inner
+        if self.fixed_tangent:
+            tangent_backward(-(g.flatten(0, 1).T @ z.flatten(0, 1)), decoder, self.activation, found)
+        return inner.add_(g @ self.linear_decoder(weights))
+
+    def _encoder(self, weights: Weights) -> Weights:
+        return weights[: len(self.sizes) - 1]
+
+    def _decoder(self, weights: Weights) -> Weights:
+        return weights[len(self.sizes) - 1: 2 * len(self.sizes) - 2]
 
 
-def monomials(y: torch.Tensor, powers: np.ndarray) -> torch.Tensor:
-    """(sample, l) values of the monomials with exponents `powers` (l, variable) at y (sample, variable)."""
-    columns = []
-    for row in powers:
-        factors = [y[:, axis] for axis, power in enumerate(row) for _ in range(power)]
-        product = factors[0]
+class Polynomial:
+    """f(y) = C Phi(y) of y (sample, variable), with the monomials of the exponents `powers` (l, variable)."""
+
+    def __init__(self, powers: np.ndarray, device: torch.device):
+        self.powers = torch.tensor(np.asarray(powers).T, device=device)  # (variable, l)
+        self.lower = (self.powers - 1).clamp(min=0)
+        self.top = int(np.max(powers))
+
+    def monomials(self, y: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """Phi (sample, l), and dPhi/dy (variable, sample, l)."""
+        rows = [torch.ones_like(y)]
+        for _ in range(self.top):
+            rows.append(rows[-1] * y)
+        table = torch.stack(rows, dim=-1)
+        factors = [table[:, axis].index_select(-1, chosen) for axis, chosen in enumerate(self.powers)]
+        slopes = []
+        for axis, chosen in enumerate(self.lower):
+            slope = table[:, axis].index_select(-1, chosen) * self.powers[axis]
+            for other, factor in enumerate(factors):
+                if other != axis:
+                    slope.mul_(factor)
+            slopes.append(slope)
+        value = factors[0]
         for factor in factors[1:]:
-            product = product * factor
-        columns.append(product)
-    return torch.stack(columns, dim=-1)
+            value = value * factor
+        return value, torch.stack(slopes)

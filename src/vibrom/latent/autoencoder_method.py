@@ -15,16 +15,33 @@ from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.rom import Method, MethodError, Training
 
 if TYPE_CHECKING:
-    from vibrom.latent.training import Dynamics
+    import torch
+
+    from vibrom.latent.autoencoder import Autoencoder
+    from vibrom.latent.training import Dynamics, Schedule
 
 CHOICES = {
     "activation": ("elu", "silu", "softplus", "tanh"),
     "linear": ("none", "pod", "modes"),
     "time_scale": ("first_frequency", "none"),
+    "optimiser": ("soap", "adam"),
     "schedule": ("one_cycle", "constant"),
     "precision": ("float32", "float64"),
     "force_rule": RULES,
 }
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Samples (3, m, k) in these coordinates, the linear parts E and D beside the networks, the networks, and the dynamics learnt with them."""
+
+    coordinates: Coordinates
+    train: np.ndarray
+    test: np.ndarray | None
+    straight: tuple[np.ndarray, np.ndarray]
+    autoencoder: Autoencoder
+    dynamics: Dynamics | None
+    device: torch.device
 
 
 @dataclass(frozen=True)
@@ -40,10 +57,11 @@ class AutoencoderMethod(Method):
     scaled: bool = True  # displacements divided by their root mean square
     time_scale: str = "first_frequency"  # or none: seconds
     every: int = 10  # train on every k-th sample
-    epochs: int = 2000
+    epochs: int = 400
     batch: int = 0  # samples in a step; 0: all
     shuffle: bool = False
-    learning_rate: float = 4e-3
+    optimiser: str = "soap"
+    learning_rate: float = 3e-2
     schedule: str = "one_cycle"
     precision: str = "float32"
     force_rule: str = "decoder"
@@ -71,40 +89,49 @@ class AutoencoderMethod(Method):
 
     def fit(self, training: Training) -> AutoencoderRom:
         # torch takes seconds to import, and neither a plan of the workflow nor a fitted model needs it.
-        import torch
-
-        from vibrom.latent.autoencoder import Autoencoder
-        from vibrom.latent.training import Schedule, pick_device, train, warm_up
+        from vibrom.latent.training import train, warm_up
 
         warm_up()
         with training.monitor.phase("mapping"):
-            chosen = coordinates.choose(training, rank=self.rank, modes=self._modes, scaled=self.scaled, time_scale=self.time_scale)
-            stack = chosen.stack(training.trajectories, self.every)
-            test = chosen.stack(training.test, self.every) if training.test else None
-            sizes = (stack.shape[-1], *self.hidden, self.latent)
-            device = pick_device(training.device)
-            straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
-            tensors = [None if self.linear == "none" else torch.tensor(part, dtype=getattr(torch, self.precision), device=device)
-                       for part in straight]
-            dynamics = self.dynamics(training, chosen, stack)
-            parts = train(
-                Autoencoder(sizes, self.activation, *tensors, fixed_tangent=self._modes > 0), dynamics,
-                Schedule(self.epochs, self.batch, self.shuffle, self.learning_rate, self.schedule, self.precision), stack, test,
-                seed=training.seed or 0, device=device, monitor=training.monitor,
-                label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
-        learnt = parts.pop() if dynamics else None
+            problem = self.problem(training)
+            learnt = train(problem.autoencoder, problem.dynamics, self.plan(), problem.train, problem.test, seed=training.seed or 0,
+                           device=problem.device, monitor=training.monitor,
+                           label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}")
         with training.monitor.phase("dynamics"):
-            return self._model(training, chosen, sizes, parts, straight, learnt)
+            return self.model(training, problem, learnt)
+
+    def problem(self, training: Training) -> Problem:
+        """What is to be learnt, from which samples."""
+        import torch
+
+        from vibrom.latent.autoencoder import Autoencoder
+        from vibrom.latent.training import pick_device
+
+        chosen = coordinates.choose(training, rank=self.rank, modes=self._modes, scaled=self.scaled, time_scale=self.time_scale)
+        stack = chosen.stack(training.trajectories, self.every)
+        test = chosen.stack(training.test, self.every) if training.test else None
+        straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
+        device = pick_device(training.device)
+        tensors = [None if self.linear == "none" else torch.tensor(part, dtype=getattr(torch, self.precision), device=device) for part in straight]
+        autoencoder = Autoencoder((stack.shape[-1], *self.hidden, self.latent), self.activation, *tensors, fixed_tangent=self._modes > 0)
+        return Problem(chosen, stack, test, straight, autoencoder, self.dynamics(training, chosen, stack), device)
+
+    def plan(self) -> Schedule:
+        from vibrom.latent.training import Schedule
+
+        return Schedule(self.epochs, self.batch, self.shuffle, self.learning_rate, self.schedule, self.precision, self.optimiser)
 
     @property
     def _modes(self) -> int:
         return self.latent if self.linear == "modes" else 0
 
-    def _model(self, training: Training, chosen: Coordinates, sizes, parts, straight, learnt) -> AutoencoderRom:
-        encoder_linear, decoder_linear = straight
+    def model(self, training: Training, problem: Problem, learnt: list[np.ndarray]) -> AutoencoderRom:
+        """The model with these weights and, if dynamics were learnt with them, its coefficients."""
+        sizes, chosen = problem.autoencoder.sizes, problem.coordinates
+        parts, found = (learnt[:-1], learnt[-1]) if problem.dynamics else (learnt, None)
+        encoder_linear, decoder_linear = problem.straight
         if self._modes:
-            decoder = parts[len(sizes) - 1:]
-            decoder_linear = decoder_linear - slope_at_rest(decoder, self.activation)
+            decoder_linear = decoder_linear - slope_at_rest(parts[len(sizes) - 1:], self.activation)
         mass = dict.fromkeys(("mass_row", "mass_column", "mass_value"))
         if training.structure:
             entries = training.structure.mass.tocoo()
@@ -117,7 +144,7 @@ class AutoencoderMethod(Method):
         )
         motion = scaled_motion(rom, training)
         reach = np.concatenate([np.abs(motion[0]).max(axis=0), np.abs(motion[1]).max(axis=0) * chosen.rate])
-        return replace(rom, reach=reach, coefficients=self.coefficients(motion, learnt, training, chosen.rate))
+        return replace(rom, reach=reach, coefficients=self.coefficients(motion, found, training, chosen.rate))
 
 
 def scaled_motion(rom: AutoencoderRom, training: Training) -> tuple[np.ndarray, ...]:

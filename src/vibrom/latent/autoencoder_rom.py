@@ -10,7 +10,7 @@ the load; `encoder` with w'(q) M^-1 p at q = v(z).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -18,8 +18,10 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
+from vibrom.latent.dissipative import fit_dissipative
+from vibrom.latent.extrapolation import continued
 from vibrom.latent.polynomial import exponents, monomials
-from vibrom.rom import MethodError, Rom, array_field
+from vibrom.rom import Guards, MethodError, Rom, Training, array_field
 
 if TYPE_CHECKING:
     from vibrom.solvers.field import Field
@@ -83,6 +85,7 @@ class AutoencoderRom(Rom):
     mass_row: np.ndarray | None = array_field("1", "row of each entry of the mass matrix", ("entry",))
     mass_column: np.ndarray | None = array_field("1", "column of each entry of the mass matrix", ("entry",))
     mass_value: np.ndarray | None = array_field("kg", "entries of the mass matrix", ("entry",))
+    extrapolation: str = "none"
 
     @cached_property
     def latent(self) -> int:
@@ -145,9 +148,9 @@ class AutoencoderRom(Rom):
 
     def drift(self, z: np.ndarray) -> np.ndarray:
         d, rate = self.latent, float(self.rate)
-        y = np.array(z, float)
-        y[..., d:] /= rate
-        value = monomials(y, self._powers) @ self.coefficients.T
+        scale = np.repeat([1.0, rate], d)
+        library = monomials(z / scale, self._powers) if self.extrapolation == "none" else continued(z, scale, self.reach, self._powers)
+        value = library @ self.coefficients.T
         if len(self.coefficients) == d:
             return np.concatenate([z[..., d:], rate**2 * value], axis=-1)
         value[..., :d] *= rate
@@ -195,8 +198,15 @@ class AutoencoderRom(Rom):
             kinematic = (powers == np.eye(2 * d, dtype=int)[d:, None]).all(axis=2)
             coefficients = np.concatenate([kinematic, coefficients])
         scale = np.repeat([1.0, rate], d)
-        drift = polynomial_kernel(scale, powers, coefficients * (rate * scale)[:, None])
+        drift = polynomial_kernel(scale, powers, coefficients * (rate * scale)[:, None], None if self.extrapolation == "none" else self.reach)
         if p is None:
             return Field(drift)
         load, mass = self._load(p), self._reduced_mass if self.force_rule == "decoder_mass" else None
         return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass))
+
+    def guarded(self, guards: Guards, training: Training) -> AutoencoderRom:
+        if not guards.dissipative:
+            return replace(self, extrapolation=guards.extrapolation)
+        motion, rate = self.encode_motion(*(training.joined(what) for what in ("displacement", "velocity", "acceleration"))), float(self.rate)
+        row = fit_dissipative(tuple(motion), self.reach, np.array([1.0, rate]), guards.dissipative)
+        return replace(self, coefficients=row[None] / rate**2, order=guards.dissipative, extrapolation="linear")

@@ -34,6 +34,17 @@ def monomials(y: np.ndarray, powers: np.ndarray) -> np.ndarray:
     return np.moveaxis(result, 0, -1)
 
 
+def slopes(y: np.ndarray, powers: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """(*batch, l) derivatives of the monomials at y along a direction (*batch, dimension):  sum_i e_i Phi / y_i along_i."""
+    total = np.zeros((*y.shape[:-1], len(powers)))
+    for axis in range(y.shape[-1]):
+        (rising,) = np.nonzero(powers[:, axis])
+        lower = powers[rising].copy()
+        lower[:, axis] -= 1
+        total[..., rising] += powers[rising, axis] * monomials(y, lower) * along[..., axis, None]
+    return total
+
+
 def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
     """R (m, l) that minimises |target - library R'|; library (samples, l), target (samples, m).
 

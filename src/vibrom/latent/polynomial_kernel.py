@@ -1,14 +1,30 @@
 """Compiled polynomials of eight states side by side:  dz/dt = R Phi(z / s), and the constant force that goes with linear encoders.
 
 Every monomial is one multiplication, of an earlier monomial by a variable; monomials that the list lacks are put in between. Zero coefficients cost nothing.
+The bounded form (see `extrapolation`) carries with each monomial its derivative along z - c, by the rule of products, and adds the two.
 """
 
 from functools import lru_cache
 
 import numpy as np
+from numba import njit
 
-from vibrom.lanes import WIDTH, fill, load, store
+from vibrom.lanes import WIDTH, fill, load, positive, sqrt, store
 from vibrom.solvers.field import Kernel, field_kernel
+
+
+@njit(error_model="numpy")
+def _rows(r, products, coefficient, numbers, index, work, out):
+    """out_i = sum_k R_ik Phi_k of the monomials in `work`."""
+    at = 1 + 2 * products
+    for i in range(r):
+        count = index[at]
+        total = fill(0.0, WIDTH)
+        for k in range(count):
+            total = total + load(work, index[at + 1 + k], WIDTH) * numbers[coefficient + k]
+        store(out, i, total)
+        at += 1 + count
+        coefficient += count
 
 
 @field_kernel
@@ -20,15 +36,34 @@ def _polynomial(z, numbers, index, work, out):
         store(work, 1 + i, load(z, i, WIDTH) * numbers[i])
     for k in range(products):
         store(work, 1 + r + k, load(work, index[1 + 2 * k], WIDTH) * load(work, 1 + index[2 + 2 * k], WIDTH))
-    at, coefficient = 1 + 2 * products, r
-    for i in range(r):
-        count = index[at]
-        total = fill(0.0, WIDTH)
-        for k in range(count):
-            total = total + load(work, index[at + 1 + k], WIDTH) * numbers[coefficient + k]
-        store(out, i, total)
-        at += 1 + count
-        coefficient += count
+    _rows(r, products, r, numbers, index, work, out)
+
+
+@field_kernel
+def _bounded(z, numbers, index, work, out):
+    # As `_polynomial`, with 1/reach (r) between 1/s and the coefficients; work: the monomials, then their derivatives along z - c.
+    r, products = len(z), index[0]
+    d, along = r // 2, 1 + r + products
+    store(work, 0, fill(1.0, WIDTH))
+    store(work, along, fill(0.0, WIDTH))
+    for i in range(d):
+        position, velocity = load(z, i, WIDTH), load(z, d + i, WIDTH)
+        x, y = position * numbers[r + i], velocity * numbers[r + d + i]
+        square = x * x + y * y
+        shrink = positive(square - 1.0, 1.0 / sqrt(square), 1.0)
+        rest = 1.0 - shrink
+        store(work, 1 + i, position * shrink * numbers[i])
+        store(work, 1 + d + i, velocity * shrink * numbers[d + i])
+        store(work, along + 1 + i, position * rest * numbers[i])
+        store(work, along + 1 + d + i, velocity * rest * numbers[d + i])
+    for k in range(products):
+        factor, variable = index[1 + 2 * k], 1 + index[2 + 2 * k]
+        a, b = load(work, factor, WIDTH), load(work, variable, WIDTH)
+        store(work, 1 + r + k, a * b)
+        store(work, along + 1 + r + k, load(work, along + factor, WIDTH) * b + a * load(work, along + variable, WIDTH))
+    for k in range(along):
+        store(work, k, load(work, k, WIDTH) + load(work, along + k, WIDTH))
+    _rows(r, products, 2 * r, numbers, index, work, out)
 
 
 @field_kernel
@@ -57,15 +92,16 @@ def _products(dimension: int, powers: tuple[tuple[int, ...], ...]) -> tuple[list
     return products, [order[power] for power in powers], len(kept)
 
 
-def polynomial_kernel(scale: np.ndarray, powers: np.ndarray, coefficients: np.ndarray) -> Kernel:
-    """sum_k R_k prod_i (z_i / s_i)^e_ki  with s (r,), exponents (l, r) and R (r, l)."""
+def polynomial_kernel(scale: np.ndarray, powers: np.ndarray, coefficients: np.ndarray, reach: np.ndarray | None = None) -> Kernel:
+    """sum_k R_k prod_i (z_i / s_i)^e_ki  with s (r,), exponents (l, r) and R (r, l); beyond `reach` (r,) continued along the radius."""
     products, places, rows = _products(len(scale), tuple(map(tuple, powers.tolist())))
-    numbers, index = [1.0 / np.asarray(scale, float)], [len(products), *(number for pair in products for number in pair)]
+    numbers, index = [1.0 / np.asarray(part, float) for part in (scale, reach) if part is not None], [len(products), *(number for pair in products for number in pair)]
     for row in np.asarray(coefficients, float):
         (used,) = np.nonzero(row)
         numbers.append(row[used])
         index += [len(used), *(places[k] for k in used)]
-    return Kernel(_polynomial, np.concatenate(numbers), np.array(index, dtype=np.int64), rows)
+    function, rows = (_polynomial, rows) if reach is None else (_bounded, 2 * rows)
+    return Kernel(function, np.concatenate(numbers), np.array(index, dtype=np.int64), rows)
 
 
 def constant_kernel(value: np.ndarray) -> Kernel:

@@ -8,13 +8,15 @@ phi' for modal coordinates. s scales the monomials to order one, which keeps hig
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibrom.latent.polynomial import least_squares, monomials
-from vibrom.rom import MethodError, Rom, Structure, array_field
+from vibrom.latent.dissipative import fit_dissipative
+from vibrom.latent.extrapolation import continued
+from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.rom import Guards, MethodError, Rom, Structure, Training, array_field
 
 if TYPE_CHECKING:
     from vibrom.solvers.field import Field
@@ -29,20 +31,24 @@ class PolynomialRom(Rom):
     dynamics: np.ndarray = array_field("1", "coefficients of the dynamics, in the unit of the rate", ("coordinate", "dynamics_term"))
     dynamics_powers: np.ndarray = array_field("1", "exponents of the dynamics' monomials", ("dynamics_term", "coordinate"))
     force: np.ndarray | None = array_field("kg-0.5", "projection of the load", ("mode", "dof"))
+    extrapolation: str = "none"
 
     def encode(self, x: np.ndarray) -> np.ndarray:
         n = self.encoder.shape[1]
         return np.concatenate([x[..., :n] @ self.encoder.T, x[..., n:] @ self.encoder.T], axis=-1)
 
+    def _monomials(self, z: np.ndarray, powers: np.ndarray) -> np.ndarray:
+        return monomials(z / self.scale, powers) if self.extrapolation == "none" else continued(z, self.scale, self.reach, powers)
+
     def decode(self, z: np.ndarray) -> np.ndarray:
-        return monomials(z / self.scale, self.decoder_powers) @ self.decoder.T
+        return self._monomials(z, self.decoder_powers) @ self.decoder.T
 
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         half = self.decoder[: len(self.decoder) // 2]
-        return monomials(z / self.scale, self.decoder_powers) @ (half if dofs is None else half[dofs]).T
+        return self._monomials(z, self.decoder_powers) @ (half if dofs is None else half[dofs]).T
 
     def drift(self, z: np.ndarray) -> np.ndarray:
-        return monomials(z / self.scale, self.dynamics_powers) @ self.dynamics.T
+        return self._monomials(z, self.dynamics_powers) @ self.dynamics.T
 
     def _push(self, p: np.ndarray) -> np.ndarray:
         if self.force is None:
@@ -57,8 +63,17 @@ class PolynomialRom(Rom):
         from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
         from vibrom.solvers.field import Field
 
-        drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics)
+        drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics, None if self.extrapolation == "none" else self.reach)
         return Field(drift, None if p is None else constant_kernel(self._push(p)))
+
+    def guarded(self, guards: Guards, training: Training) -> PolynomialRom:
+        if not guards.dissipative:
+            return replace(self, extrapolation=guards.extrapolation)
+        motion = tuple(training.joined(what) @ self.encoder.T for what in ("displacement", "velocity", "acceleration"))
+        row = fit_dissipative(motion, self.reach, self.scale, guards.dissipative)
+        powers = exponents(2, 1, guards.dissipative)
+        kinematic = np.where((powers == [0, 1]).all(axis=1), self.scale[1], 0.0)
+        return replace(self, dynamics=np.stack([kinematic, row]), dynamics_powers=powers, extrapolation="linear")
 
 
 def fit_remainder(z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,21 +3,23 @@
     L = |c - v(w(c))|^2 + l1 |c'' - d2/dtau2 v(z)|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f = R0 (z, z') + Xi Theta(z, z')
 
 means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. All that is learnt is one vector,
-so that a checkpoint is that vector, the optimiser's two moments and the generator.
+so that a checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched between two rows of the history.
 """
 
 import time
 from dataclasses import dataclass
 from hashlib import sha256
 from math import ceil, cos, pi
+from typing import Iterator
 
 import numpy as np
 import torch
 
-from vibrom.latent.autoencoder import Autoencoder, monomials
+from vibrom.latent.autoencoder import Autoencoder, Polynomial
+from vibrom.latent.optimisers import OPTIMISERS, Adam, Soap
 from vibrom.rom import MethodError, Monitor, TrainingDiverged
 
-ROWS = 300
+ROWS = 100
 CHECKPOINT_SECONDS = 5.0
 
 
@@ -44,6 +46,7 @@ class Schedule:
     learning_rate: float
     rate: str
     precision: str
+    optimiser: str
 
     def rate_at(self, step: int, steps: int) -> float:
         """Learning rate of this step: constant, or up by cosine over the first 30 % and down to nothing."""
@@ -65,14 +68,16 @@ def pick_device(name: str) -> torch.device:
 
 
 def warm_up() -> None:
-    """One step of an optimiser on nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
-    nothing = torch.zeros(1, requires_grad=True)
-    nothing.square().sum().backward()
-    torch.optim.Adam([nothing]).step()
+    """Five steps on next to nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
+    learner = Learner(Autoencoder((2, 2, 1), "silu"), None, torch.float32, torch.device("cpu"), torch.Generator())
+    nothing = torch.zeros(1, 1, 2)
+    schedule = Schedule(5, 0, False, 1e-3, "constant", "float32", "soap")
+    for _ in epochs(learner, Soap(learner.vector, learner.shapes), schedule, nothing):
+        pass
 
 
 class Learner:
-    """Autoencoder, dynamics and their one vector of parameters."""
+    """Autoencoder, dynamics, and one vector for all that is learnt: the weights, then Xi over its gain."""
 
     def __init__(self, autoencoder: Autoencoder, dynamics: Dynamics | None, dtype: torch.dtype, device: torch.device, generator: torch.Generator):
         self.autoencoder, self.dynamics = autoencoder, dynamics
@@ -80,108 +85,155 @@ class Learner:
         if dynamics:
             parts.append(torch.full((autoencoder.sizes[-1], len(dynamics.powers)), dynamics.initial / dynamics.gain, dtype=torch.float64))
             self.linear = None if dynamics.linear is None else torch.tensor(dynamics.linear, dtype=dtype, device=device)
+            self.polynomial = Polynomial(dynamics.powers, device)
         self.shapes = [part.shape for part in parts]
-        self.vector = torch.cat([part.flatten() for part in parts]).to(dtype=dtype, device=device).requires_grad_()
+        self.vector = torch.cat([part.flatten() for part in parts]).to(dtype=dtype, device=device)
+        self.gradient = torch.zeros_like(self.vector)
+        self.parts, self.slopes = self._views(self.vector), self._views(self.gradient)
+        self.terms = ("total", "reconstruction", "acceleration_full", "acceleration_reduced") if dynamics else ("total", "reconstruction")
 
-    def parts(self) -> list[torch.Tensor]:
-        return [part.view(shape) for part, shape in zip(self.vector.split([shape.numel() for shape in self.shapes]), self.shapes)]
+    def _views(self, vector: torch.Tensor) -> list[torch.Tensor]:
+        return [part.view(shape) for part, shape in zip(vector.split([shape.numel() for shape in self.shapes]), self.shapes)]
 
-    def losses(self, c: torch.Tensor) -> dict[str, torch.Tensor]:
-        """Every term of the loss and their weighted `total`; c (3, sample, k)."""
-        parts = self.parts()
+    def learnt(self) -> list[np.ndarray]:
+        """The weights and, last, Xi."""
+        parts = [part.cpu().double().numpy().copy() for part in self.parts]
+        return [*parts[:-1], self.dynamics.gain * parts[-1]] if self.dynamics else parts
+
+    def losses(self, c: torch.Tensor, learn: bool = True) -> torch.Tensor:
+        """The `terms` of the loss of c (3, sample, k); `learn`: and the gradient of the total."""
+        twice = 2.0 / c.shape[1]
         if self.dynamics is None:
-            error = mean_square(c[0] - self.autoencoder.decode(self.autoencoder.encode(c[:1], parts), parts)[0])
-            return {"total": error, "reconstruction": error}
-        dynamics, coefficients = self.dynamics, self.dynamics.gain * parts[-1]
-        z = self.autoencoder.encode(c, parts[:-1])
+            z, there = self.autoencoder.encode(c[:1], self.parts)
+            back, again = self.autoencoder.decode(z, self.parts)
+            error = back.sub_(c[:1])
+            mean = mean_square(error[0])
+            if learn:
+                g = self.autoencoder.decode_backward(error.mul_(twice), z, self.parts, again, self.slopes)
+                self.autoencoder.encode_backward(g, self.parts, there, self.slopes)
+            return torch.stack([mean, mean])
+        dynamics, coefficients = self.dynamics, self.dynamics.gain * self.parts[-1]
+        z, there = self.autoencoder.encode(c, self.parts)
         y = torch.cat([z[0], z[1]], dim=-1)
-        model = monomials(y, dynamics.powers) @ coefficients.T
+        theta, rise = self.polynomial.monomials(y)
+        model = theta @ coefficients.T
         if self.linear is not None:
-            model = model + y @ self.linear.T
-        back = self.autoencoder.decode(torch.stack([z[0], z[1], model]), parts[:-1])
-        terms = {"reconstruction": mean_square(c[0] - back[0]), "acceleration_full": mean_square(c[2] - back[2]),
-                 "acceleration_reduced": mean_square(z[2] - model)}
-        total = terms["reconstruction"] + dynamics.full * terms["acceleration_full"] + dynamics.reduced * terms["acceleration_reduced"]
+            model.addmm_(y, self.linear.T)
+        motion = torch.stack([z[0], z[1], model])
+        back, again = self.autoencoder.decode(motion, self.parts)
+        error, apart = back.sub_(c), z[2] - model
+        means = torch.stack([mean_square(error[0]), mean_square(error[2]), mean_square(apart)])
+        total = means[0] + dynamics.full * means[1] + dynamics.reduced * means[2]
         if dynamics.sparsity:
             total = total + dynamics.sparsity * coefficients.abs().sum()
-        return {"total": total, **terms}
+        if learn:
+            error[0].mul_(twice)
+            error[1].zero_()  # no term asks for velocities
+            error[2].mul_(twice * dynamics.full)
+            g = self.autoencoder.decode_backward(error, motion, self.parts, again, self.slopes)
+            apart.mul_(twice * dynamics.reduced)
+            to_model = g[2] - apart
+            torch.mm(to_model.T, theta, out=self.slopes[-1])
+            if dynamics.sparsity:
+                self.slopes[-1].add_(coefficients.sign(), alpha=dynamics.sparsity)
+            self.slopes[-1].mul_(dynamics.gain)
+            to_y = ((to_model @ coefficients) * rise).sum(dim=-1).T
+            if self.linear is not None:
+                to_y = to_y + to_model @ self.linear
+            g[:2].add_(torch.stack(to_y.chunk(2, dim=-1)))
+            g[2] = apart
+            self.autoencoder.encode_backward(g, self.parts, there, self.slopes)
+        return torch.cat([total[None], means])
 
 
 def mean_square(residual: torch.Tensor) -> torch.Tensor:
-    return residual.square().sum(dim=-1).mean()
+    flat = residual.flatten()
+    return flat.dot(flat) / len(residual)
+
+
+def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tensor, generator: torch.Generator | None = None,
+           first: int = 0) -> Iterator[tuple[int, torch.Tensor]]:
+    """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses.
+
+    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a
+    step is the same work on the same addresses every time.
+    """
+    samples = c.shape[1]
+    batch = min(schedule.batch or samples, samples)
+    batches = ceil(samples / batch)
+    steps = schedule.epochs * batches
+    rates = torch.tensor([schedule.rate_at(step, steps) for step in range(steps)], dtype=torch.float64).to(c.device)
+    rate = torch.zeros_like(rates[0])
+    sums = torch.zeros(len(learner.terms), dtype=c.dtype, device=c.device)
+    # All batches have one size, save perhaps the last.
+    places = {size: c if batches == 1 else c.new_empty(3, size, c.shape[2]) for size in (batch, samples - (batches - 1) * batch)}
+    for epoch in range(first, schedule.epochs):
+        order = torch.randperm(samples, generator=generator).to(c.device) if schedule.shuffle else None
+        sums.zero_()
+        for index in range(batches):
+            begin, step = index * batch, epoch * batches + index
+            part = places[min(batch, samples - begin)]
+            if batches > 1:
+                span = slice(begin, begin + part.shape[1])
+                part.copy_(c[:, span] if order is None else c[:, order[span]])
+            rate.copy_(rates[step])
+            sums.add_(learner.losses(part), alpha=part.shape[1] / samples)
+            optimiser.step(learner.gradient, rate)
+            if optimiser.every and (step + 1) % optimiser.every == 0:
+                optimiser.turn()
+        yield epoch + 1, sums
 
 
 def train(autoencoder: Autoencoder, dynamics: Dynamics | None, schedule: Schedule, train_stack: np.ndarray, test_stack: np.ndarray | None,
           *, seed: int, device: torch.device, monitor: Monitor, label: str = "") -> list[np.ndarray]:
     """The learnt weights and, last, Xi. `label` and the data tell checkpoints of one training from those of another."""
     label = f"{label} {sha256(np.ascontiguousarray(train_stack)).hexdigest()}"
-    dtype = {"float32": torch.float32, "float64": torch.float64}[schedule.precision]
+    dtype = getattr(torch, schedule.precision)
     generator = torch.Generator().manual_seed(seed)
     learner = Learner(autoencoder, dynamics, dtype, device, generator)
-    optimiser = torch.optim.Adam([learner.vector], lr=schedule.learning_rate)
+    optimiser = OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes)
     c = torch.tensor(train_stack, dtype=dtype, device=device)
     test = None if test_stack is None else torch.tensor(test_stack, dtype=dtype, device=device)
-    samples = c.shape[1]
-    batch = min(schedule.batch or samples, samples)
-    batches = ceil(samples / batch)
     every = ceil(schedule.epochs / ROWS)
     history: dict[str, list[float]] = {}
     first = _restore(monitor, label, learner, optimiser, generator, history, schedule.epochs)
     saved = time.monotonic()
-    for epoch in range(first, schedule.epochs):
-        order = torch.randperm(samples, generator=generator).to(device) if schedule.shuffle else None
-        sums: dict[str, float] = {}
-        for index in range(batches):
-            span = slice(index * batch, (index + 1) * batch)
-            part = c if batches == 1 else c[:, span] if order is None else c[:, order[span]]
-            for group in optimiser.param_groups:
-                group["lr"] = schedule.rate_at(epoch * batches + index, schedule.epochs * batches)
-            terms = learner.losses(part)
-            learner.vector.grad = None
-            terms["total"].backward()
-            optimiser.step()
-            share = part.shape[1] / samples
-            for name, term in terms.items():
-                sums[name] = sums.get(name, 0.0) + share * term.item()
-        if not np.isfinite(sums["total"]):
-            raise TrainingDiverged(f"the loss is {sums['total']} at epoch {epoch + 1} of {schedule.epochs}; lower learning_rate")
-        if (epoch + 1) % every == 0 or epoch in (0, schedule.epochs - 1):
-            _record(learner, sums, test, epoch + 1, schedule.epochs, history, monitor)
+    for epoch, sums in epochs(learner, optimiser, schedule, c, generator, first):
+        if epoch % every == 0 or epoch in (1, schedule.epochs):
+            _record(learner, sums, test, epoch, schedule.epochs, history, monitor)
         if time.monotonic() - saved > CHECKPOINT_SECONDS:
-            monitor.checkpoint(_state(label, epoch + 1, learner, optimiser, generator, history))
+            monitor.checkpoint(_state(label, epoch, learner, optimiser, generator, history))
             saved = time.monotonic()
-    parts = [part.detach().cpu().double().numpy() for part in learner.parts()]
-    return parts if dynamics is None else [*parts[:-1], dynamics.gain * parts[-1]]
+    return learner.learnt()
 
 
-def _record(learner: Learner, sums: dict[str, float], test, epoch: int, epochs: int, history: dict[str, list[float]], monitor: Monitor) -> None:
-    row = {f"train_{name}": value for name, value in sums.items()}
+def _record(learner: Learner, sums: torch.Tensor, test, epoch: int, epochs: int, history: dict[str, list[float]], monitor: Monitor) -> None:
+    row = {f"train_{name}": value for name, value in zip(learner.terms, sums.tolist())}
+    if not np.isfinite(row["train_total"]):
+        raise TrainingDiverged(f"the loss is {row['train_total']} at epoch {epoch} of {epochs}; lower learning_rate")
     if test is not None:
-        with torch.no_grad():
-            row |= {f"test_{name}": value.item() for name, value in learner.losses(test).items()}
+        row |= {f"test_{name}": value for name, value in zip(learner.terms, learner.losses(test, learn=False).tolist())}
     for name, value in {"epoch": epoch, **row}.items():
         history.setdefault(name, []).append(value)
     monitor.epoch(epoch, epochs, row)
 
 
-def _state(label: str, epoch: int, learner: Learner, optimiser, generator: torch.Generator, history: dict[str, list[float]]) -> dict:
+def _state(label: str, epoch: int, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]]) -> dict:
     """All that the rest of the training depends on, as arrays, numbers and strings."""
-    moments = optimiser.state[learner.vector]
-    return {"label": label, "epoch": epoch, "parameters": learner.vector.detach().cpu().numpy().copy(), "step": float(moments["step"]),
-            "mean": moments["exp_avg"].cpu().numpy().copy(), "square": moments["exp_avg_sq"].cpu().numpy().copy(),
+    remembered = {f"optimiser_{name}": value.cpu().numpy().copy() for name, value in optimiser.state.items()}
+    return {"label": label, "epoch": epoch, "parameters": learner.vector.cpu().numpy().copy(), **remembered,
             "generator": generator.get_state().numpy().copy(), **{f"history_{name}": np.array(values) for name, values in history.items()}}
 
 
-def _restore(monitor: Monitor, label: str, learner: Learner, optimiser, generator: torch.Generator, history: dict[str, list[float]], epochs: int) -> int:
+def _restore(monitor: Monitor, label: str, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]],
+             epochs: int) -> int:
     """Takes up an interrupted training: puts everything back, tells the monitor the rows it had, and gives the epoch to go on from."""
     state = monitor.restore()
     if state is None or str(state["label"]) != label:
         return 0
-    vector = learner.vector
-    with torch.no_grad():
-        vector.copy_(torch.from_numpy(np.asarray(state["parameters"])))
-    optimiser.state[vector] = {"step": torch.tensor(float(state["step"])), "exp_avg": torch.from_numpy(np.array(state["mean"])).to(vector.device),
-                               "exp_avg_sq": torch.from_numpy(np.array(state["square"])).to(vector.device)}
+    learner.vector.copy_(torch.from_numpy(np.asarray(state["parameters"])))
+    for name, value in optimiser.state.items():
+        value.copy_(torch.from_numpy(np.asarray(state[f"optimiser_{name}"])))
     generator.set_state(torch.from_numpy(np.array(state["generator"])))
     history |= {name.removeprefix("history_"): np.asarray(values).tolist() for name, values in state.items() if name.startswith("history_")}
     for row in zip(*history.values()):

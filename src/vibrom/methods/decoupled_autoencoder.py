@@ -15,5 +15,7 @@ from vibrom.rom import Training
 
 @dataclass(frozen=True)
 class DecoupledAutoencoder(AutoencoderMethod):
+    epochs: int = 350
+
     def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
         return fit_first_order(motion, self.order, None)

@@ -3,6 +3,7 @@
     min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,    z = w(q)
 
 Theta holds all monomials 1..p and no constant; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and `acceleration_reduced`. Needs no operators.
+The weights are small: one coordinate follows the accelerations far less closely than the displacements.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SindyAutoencoder(AutoencoderMethod):
-    acceleration_full: float = 1.0
+    acceleration_full: float = 0.01
     acceleration_reduced: float = 0.1
     sparsity: float = 0.0  # l3
     first_coefficient: float = 0.0  # of every monomial, before training

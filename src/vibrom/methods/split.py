@@ -3,7 +3,8 @@
     min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - f(z, z')|^2,    f = R0 (z, z') + Xi Theta(z, z'),    z = w(q)
 
 R0 = (-phi' K phi, -phi' C phi) of the first d modes; Theta holds the monomials 2..p; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and
-`acceleration_reduced`.
+`acceleration_reduced`. Both are small: one coordinate follows the accelerations far less closely than the displacements (folding beam, root mean
+square: 6 % at best against 0.8 %), and larger weights pay for them with the motion.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Split(AutoencoderMethod):
     linear: str = "modes"
-    acceleration_full: float = 1.0
-    acceleration_reduced: float = 0.1
+    acceleration_full: float = 0.03
+    acceleration_reduced: float = 0.03
     first_coefficient: float = 0.0  # of every monomial, before training
     coefficient_gain: float = 1.0  # learning rate of the coefficients over that of the weights
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from vibrom.report import thesis
+from vibrom.report import effects, thesis
 from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, scalar
 from vibrom.report.presentation import GONE, number
 from vibrom.report.scores import Scores
@@ -27,6 +27,10 @@ def full_order(collection: Collection) -> list[tuple]:
             if run is not None and str(scalar(run, "outcome", "ok")) != "ok":
                 when = number(float(scalar(run, "failed_at")))
                 rows.append((scene, FULL_ORDER, name, str(scalar(run, "outcome")), GONE, when, GONE))
+        worth = collection.find(scene, FULL_ORDER, "effects")
+        for left_out, outcome, when in zip(*(worth[name].values for name in ("left_out", "outcome", "failed_at"))) if worth is not None else ():
+            if effects.failed(outcome):
+                rows.append((scene, FULL_ORDER, f"without {left_out}", outcome, GONE, number(float(when)), GONE))
     return rows
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from markupsafe import escape
 
-from vibrom.report import cost, curves, thesis
+from vibrom.report import cost, curves, effects, thesis
 from vibrom.report.collection import FULL_ORDER
 
 GONE = "–"
@@ -31,11 +31,21 @@ WORDS = {
     "data_s": "Training data [s]", "mapping_s": "Mapping [s]", "dynamics_s": "Dynamics [s]", "offline_s": "Offline [s]", "online_s": "Online [s]",
     "decays": "Decays", "forced_runs": "Forced runs", "sweeps": "Response curves",
     **{f"thesis_{name}": f"Thesis: {said}" for name, said in (("offline_s", "offline [s]"), ("decays", "decays"), ("forced_runs", "forced runs"), ("sweeps", "response curves"))},
+    "guard": "Guard", "integrator": "Integrator", "runs": "Runs", "ok": "ok", "left_range": "Left range", "diverged": "Diverged", "step_underflow": "Step underflow",
+    "no_convergence": "No convergence", "other": "Other", "held_percent": "Held [%]", "held_low_percent": "95 % from", "held_high_percent": "to",
+    "median_failure_periods": "Median failure [periods]", "largest_range_ratio": "Farthest, of the range", "peak_error_percent": "Peak error [%]",
+    "peak_steps": "Peak off by [frequencies]", "decay_nmte_percent": "Decay NMTE [%]", "forced_nmte_percent": "Forced NMTE [%]",
+    "energy_rises": "Energy rose in", "envelope_rises": "Amplitude rose in", "gamma": "γ", "forcing": "Forcing, of the scene's",
+    "seconds": "Wall time [s]",
     "length_m": "Length [m]", "height_m": "Height [m]", "width_m": "Width [m]",
     "young_modulus_pa": "Young's modulus [Pa]", "poisson_ratio": "Poisson's ratio [–]",
     "density_kg_per_m3": "Density [kg/m³]", "damping_ratio": "Damping ratio, first mode [–]",
     "element": "Element", "cells": "Cells", "elements": "Elements", "free_dofs": "Free dofs", "effects": "Effects",
     "omega_1_quadratic_rad_per_s": "ω1 with quadratic elements [rad/s]",
+    "left_out": "Left out", "decay_nmte_percent": "Decay NMTE [%]", "decay_frequency_rad_per_s": "Decay frequency [rad/s]",
+    "decay_amplitude_m": "Decay amplitude [m]", "forced_amplitude_m": "Forced amplitude [m]",
+    "microseconds_per_step_with": "Step with it [µs]", "microseconds_per_step_without": "Step without it [µs]", "seconds_ratio": "With / without",
+    "iterations_per_step": "Iterations a step",
     **{f"omega_{k}_rad_per_s": f"ω{k} [rad/s]" for k in range(1, 10)},
     **{f"{role}_probe_m": f"{role.capitalize()} release, probe [m]" for role in ("train", "test")},
     **{f"{role}_tip_m": f"{role.capitalize()} release, tip [m]" for role in ("train", "test")},
@@ -75,6 +85,13 @@ def folded(frame: pd.DataFrame, stem: str, digits: int = 4) -> list[str]:
     return cells
 
 
+def with_change(value: str, change: float) -> str:
+    """`0.3563 (+62 %)`; nothing beside a value that stays what it was to half a hundredth of a percent."""
+    if pd.isna(change) or abs(change) < 0.005:
+        return value
+    return f"{value} ({change:+.0f} %)" if abs(change) >= 10 else f"{value} ({change:+.2g} %)"
+
+
 def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
     """The printed form of a table, all text."""
     if name == "frc":
@@ -86,11 +103,13 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
         stem = column.removesuffix("_min").removesuffix("_max")
         if stem != column and stem in frame.columns or column.endswith("_outcome"):
             continue
-        if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES:
-            continue  # printed in the cell of our own time
+        if column.startswith("thesis_") and column.removeprefix("thesis_") in thesis.RUN_TIMES or column.endswith(effects.CHANGE):
+            continue  # printed in the cell of our own time, or of what changes
         several = f"{column}_min" in frame.columns
         digits = 6 if name in ("eigenvalues", "checks") else 4  # they differ from one another in the fourth
         values = folded(frame, column, digits) if several else [number(value, digits) for value in frame[column]]
+        if column + effects.CHANGE in frame.columns:
+            values = [with_change(value, change) for value, change in zip(values, frame[column + effects.CHANGE])]
         if column == "method":
             values = [thesis.label(value) for value in frame[column]]
         if column == "nmte_percent":
@@ -129,6 +148,9 @@ def marks(name: str, frame: pd.DataFrame) -> list[str]:
         return [""] * len(on_its_side(frame))
     if name == "checks":
         return ["failed" if met == "no" else "" for met in frame["met"]]
+    if name == "effects":
+        return ["failed" if effects.failed(outcome) else "reference" if left_out == effects.WHOLE else ""
+                for outcome, left_out in zip(frame["outcome"], frame["left_out"])]
     rows = curves.summary(frame) if name == "frc" else frame
     classes = ["reference" if method == FULL_ORDER else "" for method in rows["method"]]
     return ["failed" if failed(str(outcome)) else other for outcome, other in zip(rows["outcome"], classes)]
@@ -155,6 +177,6 @@ def to_tex(name: str, frame: pd.DataFrame) -> str:
     text = readable(name, frame)
     style = text.style.hide(axis="index").format(escape="latex").format_index(escape="latex", axis=1)
     tex = style.to_latex(hrules=True, column_format="l" * len(text.columns))
-    for sign, command in {"ω": r"$\omega$", "³": r"\textsuperscript{3}", GONE: "--"}.items():
+    for sign, command in {"ω": r"$\omega$", "γ": r"$\gamma$", "³": r"\textsuperscript{3}", GONE: "--"}.items():
         tex = tex.replace(sign, command)
     return tex

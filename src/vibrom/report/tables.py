@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from vibrom.report import beam, checks, cost, curves, thesis
+from vibrom.report import beam, checks, cost, curves, effects, stability, thesis
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
 
@@ -27,7 +27,11 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
         "cost_reduced": lambda: cost.reduced(collection),
         "cheapest": lambda: cost.cheapest_settings(collection),
         "break_even": lambda: cost.break_evens(collection, scores),
+        "effects": lambda: effects.table(collection),
         "checks": lambda: checks.table(collection, scores),
+        "stability": lambda: stability.outcomes(collection),
+        "guards": lambda: stability.guards(collection),
+        "full_order_steps": lambda: stability.full_order(collection),
     }
     if name not in builders:
         raise ValueError(f"table {name!r}: unknown; choose from {', '.join(builders)}")

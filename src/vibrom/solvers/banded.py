@@ -1,7 +1,8 @@
 """Symmetric banded matrices for several states side by side.
 
 A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one column after the other, the state last.
-`cholesky` and `solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.3.5), written in lanes.
+`factorise` and `solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a tangent that a far guess made
+indefinite, where Cholesky's method ends.
 """
 
 from functools import cache
@@ -10,7 +11,7 @@ import numpy as np
 from numba import types
 from scipy.sparse import coo_matrix, spmatrix
 
-from vibrom.lanes import WIDTH, cut, kernel, load, paste, sqrt, store
+from vibrom.lanes import WIDTH, cut, kernel, load, paste, store
 
 _band = types.float64[:, :, ::1]
 _one = types.float64[:, ::1]
@@ -76,7 +77,7 @@ def _multiply_add_both_alone(first, second, x, z, y):
 
 @cache
 def kernels(width: int):
-    """(multiply_add, multiply_add_both, cholesky, solve) for `width` states; the products take matrices in `product_form`."""
+    """(multiply_add, multiply_add_both, factorise, solve) for `width` states; the products take matrices in `product_form`."""
 
     @kernel(types.void(_one, _one, _one))
     def multiply_add(band, x, y):
@@ -105,20 +106,16 @@ def kernels(width: int):
             store(y, j, load(y, j, width) + total)
 
     @kernel(types.void(_band))
-    def cholesky(band):
-        """A = L L' in place; a state whose A is not positive definite ends as NaN and spoils no other."""
+    def factorise(band):
+        """A = L D L' in place, without pivots; a state with a zero pivot ends as NaN and spoils no other."""
         n, depth = band.shape[0], band.shape[1]
         entries = band.reshape(n * depth, width)
         for j in range(n):
-            # The diagonal keeps 1/L_jj: substitution multiplies by it.
-            inverse = 1.0 / sqrt(load(entries, j * depth, width))
-            store(entries, j * depth, inverse)
+            inverse = 1.0 / load(entries, j * depth, width)
             reach = min(depth, n - j)
-            for d in range(1, reach):
-                store(entries, j * depth + d, inverse * load(entries, j * depth + d, width))
             if width == 1 and depth > 3 * WIDTH:  # long enough for lanes along the column
                 for d in range(1, reach):
-                    value, k = band[j, d, 0], d
+                    value, k = band[j, d, 0] / band[j, 0, 0], d
                     while k + WIDTH <= reach:
                         at = (j + d) * depth + k - d
                         paste(entries, at, cut(entries, at, WIDTH) - value * cut(entries, j * depth + k, WIDTH))
@@ -126,28 +123,32 @@ def kernels(width: int):
                     while k < reach:
                         band[j + d, k - d, 0] -= value * band[j, k, 0]
                         k += 1
-                continue
+            else:
+                for d in range(1, reach):
+                    value = inverse * load(entries, j * depth + d, width)
+                    for k in range(d, reach):
+                        at = (j + d) * depth + k - d
+                        store(entries, at, load(entries, at, width) - value * load(entries, j * depth + k, width))
+            # The column becomes that of L, and the diagonal keeps 1/D_j: substitution multiplies by it.
             for d in range(1, reach):
-                value = load(entries, j * depth + d, width)
-                for k in range(d, reach):
-                    at = (j + d) * depth + k - d
-                    store(entries, at, load(entries, at, width) - value * load(entries, j * depth + k, width))
+                store(entries, j * depth + d, inverse * load(entries, j * depth + d, width))
+            store(entries, j * depth, inverse)
 
     @kernel(types.void(_band, _one))
     def solve(band, x):
-        """x becomes A^-1 x, from the factor that `cholesky` left in `band`."""
+        """x becomes A^-1 x, from the factors that `factorise` left in `band`."""
         n, depth = band.shape[0], band.shape[1]
         entries = band.reshape(n * depth, width)
         for j in range(n):
-            here = load(x, j, width) * load(entries, j * depth, width)
-            store(x, j, here)
+            here = load(x, j, width)
             for d in range(1, min(depth, n - j)):
                 store(x, j + d, load(x, j + d, width) - load(entries, j * depth + d, width) * here)
+            store(x, j, here * load(entries, j * depth, width))
         for j in range(n - 1, -1, -1):
             here = load(x, j, width)
             for d in range(min(depth, n - j) - 1, 0, -1):  # the newest last: only that product waits for the row before
                 here -= load(entries, j * depth + d, width) * load(x, j + d, width)
-            store(x, j, here * load(entries, j * depth, width))
+            store(x, j, here)
 
     products = (multiply_add, multiply_add_both) if width > 1 else (_multiply_add_alone, _multiply_add_both_alone)
-    return *products, cholesky, solve
+    return *products, factorise, solve

@@ -102,14 +102,14 @@ class Motion:
 
 def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initial: str, record: Record, out: Motion, where: slice, progress) -> None:
     n, width = q.shape
-    multiply_add, multiply_add_both, cholesky, solve = banded.kernels(width)
+    multiply_add, multiply_add_both, factorise, solve = banded.kernels(width)
     kernels = [force.kernels(width) for force in term.forces]
     loop = newmark_loop(width, len(kernels))
     started = time.perf_counter()
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
     empty = np.zeros((0, 0))
     mass, damping, stiffness = (empty if part is None else banded.to_band(part, half) for part in (term.mass, term.damping, term.stiffness))
-    rate = _mass_rate(mass, damping)
+    rate = _mass_rate(mass, damping) if kernels else 0.0
     base = mass[:, :, None] + np.zeros(width)
     if damping.size:
         base = base + gamma * h * damping[:, :, None]
@@ -127,12 +127,12 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
             kernel(q, v, force.dofs, force.table, f)
         a -= f
         factor = mass[:, :, None] + np.zeros(width)
-        cholesky(factor)
+        factorise(factor)
         solve(factor, a)
     factor = np.array(base)
     products = [banded.product_form(band, width) for band in (mass, empty if rate else damping, stiffness)]
     if not kernels:
-        cholesky(factor)
+        factorise(factor)
     state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
     dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
     slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
@@ -147,7 +147,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
             stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, *products, base, factor,
-                          multiply_add, multiply_add_both, cholesky, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
+                          multiply_add, multiply_add_both, factorise, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
                           failed, counts, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
         for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):

@@ -18,7 +18,7 @@ _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, :
 _i1, _i2 = types.int64[::1], types.int64[:, ::1]
 _MULTIPLY = types.FunctionType(types.void(_f2, _f2, _f2))
 _BOTH = types.FunctionType(types.void(_f2, _f2, _f2, _f2, _f2))
-_CHOLESKY = types.FunctionType(types.void(_f3))
+_FACTORISE = types.FunctionType(types.void(_f3))
 _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
 
@@ -30,11 +30,11 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _BOTH, _CHOLESKY, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _BOTH, _FACTORISE, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_both, cholesky, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_both, factorise, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -44,6 +44,7 @@ def newmark_loop(width: int, forces: int):
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
         r, f, inertial, linear, bent = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        plain_q, plain_v = np.empty((n, width)), np.empty((n, width))
         norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         hs = load(h, 0, width)
@@ -58,95 +59,111 @@ def newmark_loop(width: int, forces: int):
                     # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
                     # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
                     guess = 2.0 * (old - third) + load(oldest, i, width) if nonlinear else fill(0.0, width)
-                    store(q, i, load(q, i, width) + hs * (here + hs * ((0.5 - beta) * old + beta * guess)))
-                    store(v, i, here + hs * ((1.0 - gamma) * old + gamma * guess))
+                    ahead, faster = load(q, i, width) + hs * (here + hs * (0.5 - beta) * old), here + hs * (1.0 - gamma) * old
+                    store(q, i, ahead + by_q * guess)
+                    store(v, i, faster + by_v * guess)
+                    store(plain_q, i, ahead)
+                    store(plain_v, i, faster)
                     store(oldest, i, third)
                     store(earlier, i, load(before, i, width))
                     store(before, i, old)
                     store(a, i, guess)
-                done = False
-                for iteration in range(max_iterations + 1):
-                    # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
-                    if iteration == 0:
-                        inertial[:], linear[:] = 0.0, 0.0
-                        if rate != 0.0:  # damping proportional to the mass
+                for attempt in range(2):
+                    done = False
+                    for iteration in range(max_iterations + 1):
+                        # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
+                        if iteration == 0:
+                            inertial[:], linear[:] = 0.0, 0.0
+                            if nonlinear:
+                                for i in range(n):
+                                    store(r, i, load(a, i, width) + rate * load(v, i, width))
+                                multiply_add(mass, r, inertial)
+                            if damping.size > 0 and stiffness.size > 0 and not nonlinear:
+                                multiply_add_both(damping, stiffness, v, q, linear)
+                            else:
+                                if damping.size > 0:
+                                    multiply_add(damping, v, inertial)
+                                if stiffness.size > 0:
+                                    multiply_add(stiffness, q, linear)
+                        else:
                             for i in range(n):
-                                store(r, i, load(a, i, width) + rate * load(v, i, width))
-                            multiply_add(mass, r, inertial)
-                        elif nonlinear:  # otherwise the guess is zero
-                            multiply_add(mass, a, inertial)
-                        if damping.size > 0:
-                            multiply_add(damping, v, inertial)
-                        if stiffness.size > 0:
-                            multiply_add(stiffness, q, linear)
-                    else:
+                                change = load(r, i, width)
+                                store(r, i, (1.0 + rate * by_v) * change)
+                                store(bent, i, by_q * change)
+                                if damping.size > 0:
+                                    store(inertial, i, by_v * change)
+                            if damping.size > 0:
+                                multiply_add(damping, inertial, linear)
+                            if stiffness.size > 0:
+                                multiply_add_both(mass, stiffness, r, bent, linear)
+                            else:
+                                multiply_add(mass, r, linear)
+                        f[:] = 0.0
+                        if nonlinear:
+                            for k in range(forces):
+                                force_kernels[k](q, v, dofs[k], tables[k], f)
+                            slow = False
+                            done = True
+                            if iteration == 0:
+                                bodies = springs = loads = fill(0.0, width)
+                                for i in range(n):
+                                    body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
+                                    store(linear, i, spring + body)
+                                    spring += load(f, i, width)
+                                    bodies += body * body
+                                    springs += spring * spring
+                                    loads += p * p
+                                store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
+                            squares = fill(0.0, width)
+                            for i in range(n):
+                                residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
+                                store(r, i, residual)
+                                squares += residual * residual
+                            store(norm, 0, sqrt(squares))
+                            for w in range(width):
+                                if failed[w] >= 0:
+                                    continue
+                                if not norm[0, w] <= tolerance * scale[0, w]:
+                                    done = False
+                                    if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
+                                        slow = True
+                                previous[w] = norm[0, w]
+                            # The guess alone is an explicit step: at least one solve makes it implicit.
+                            if done and iteration > 0:
+                                break
+                            if iteration == max_iterations:
+                                break
+                            if slow or counts[2] == 0:
+                                factor[:] = base
+                                for k in range(forces):
+                                    tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
+                                factorise(factor)
+                                counts[1] += 1
+                                counts[2] = 1
+                        else:
+                            for i in range(n):
+                                store(r, i, shape[i] * u + dead[i] - load(inertial, i, width) - load(linear, i, width))
+                            done = True
+                        solve(factor, r)
+                        counts[0] += 1
                         for i in range(n):
                             change = load(r, i, width)
-                            store(r, i, (1.0 + rate * by_v) * change)
-                            store(bent, i, by_q * change)
-                            if damping.size > 0:
-                                store(inertial, i, by_v * change)
-                        if damping.size > 0:
-                            multiply_add(damping, inertial, linear)
-                        if stiffness.size > 0:
-                            multiply_add_both(mass, stiffness, r, bent, linear)
-                        else:
-                            multiply_add(mass, r, linear)
-                    f[:] = 0.0
-                    if nonlinear:
-                        for k in range(forces):
-                            force_kernels[k](q, v, dofs[k], tables[k], f)
-                        slow = False
-                        done = True
-                        if iteration == 0:
-                            bodies = springs = loads = fill(0.0, width)
-                            for i in range(n):
-                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
-                                store(linear, i, spring + body)
-                                spring += load(f, i, width)
-                                bodies += body * body
-                                springs += spring * spring
-                                loads += p * p
-                            store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
-                        squares = fill(0.0, width)
-                        for i in range(n):
-                            residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
-                            store(r, i, residual)
-                            squares += residual * residual
-                        store(norm, 0, sqrt(squares))
+                            store(a, i, load(a, i, width) + change)
+                            store(v, i, load(v, i, width) + by_v * change)
+                            store(q, i, load(q, i, width) + by_q * change)
+                        if not nonlinear:
+                            break
+                    # Far from equilibrium the guess may lie where Newton's iteration does not find back: once more, without acceleration.
+                    again = False
+                    if nonlinear and not done and attempt == 0:
                         for w in range(width):
-                            if failed[w] >= 0:
-                                continue
-                            if not norm[0, w] <= tolerance * scale[0, w]:
-                                done = False
-                                if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
-                                    slow = True
-                            previous[w] = norm[0, w]
-                        # The guess alone is an explicit step: at least one solve makes it implicit.
-                        if done and iteration > 0:
-                            break
-                        if iteration == max_iterations:
-                            break
-                        if slow or counts[2] == 0:
-                            factor[:] = base
-                            for k in range(forces):
-                                tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
-                            cholesky(factor)
-                            counts[1] += 1
-                            counts[2] = 1
-                    else:
-                        for i in range(n):
-                            store(r, i, shape[i] * u + dead[i] - load(inertial, i, width) - load(linear, i, width))
-                        done = True
-                    solve(factor, r)
-                    counts[0] += 1
-                    for i in range(n):
-                        change = load(r, i, width)
-                        store(a, i, load(a, i, width) + change)
-                        store(v, i, load(v, i, width) + by_v * change)
-                        store(q, i, load(q, i, width) + by_q * change)
-                    if not nonlinear:
+                            if failed[w] < 0 and not norm[0, w] <= tolerance * scale[0, w]:
+                                again = True
+                                for i in range(n):
+                                    a[i, w], v[i, w], q[i, w] = 0.0, plain_v[i, w], plain_q[i, w]
+                    if not again:
                         break
+                    counts[2] = 0
                 for w in range(width):
                     if failed[w] < 0 and ((nonlinear and not norm[0, w] <= tolerance * scale[0, w]) or not np.isfinite(a[0, w])):
                         failed[w] = step

@@ -8,8 +8,11 @@ import os
 from functools import partial
 from pathlib import Path
 
+import pandas as pd
+
 from vibrom.data import DataError, open_dataset
 from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection
+from vibrom.report.scores import COLUMNS, Scores
 
 KIND = {"train": "trajectory", "test": "trajectory"}
 
@@ -28,6 +31,11 @@ def collection(artefacts: list[str]) -> Collection:
             raise DataError(f"{path}: not an artefact of a run; give results/<scene>/<method>/<seed>/<name>.nc")
         loaders[key] = partial(open_dataset, path, KIND.get(name, name))
     return Collection(loaders)
+
+
+def scores_at(path: str | None) -> Scores:
+    """The scores in this file; none where no reduced model took part."""
+    return Scores(pd.read_csv(path) if path else pd.DataFrame(columns=list(COLUMNS)))
 
 
 def write(path: str | Path, content: bytes | str) -> None:

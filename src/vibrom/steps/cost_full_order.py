@@ -20,11 +20,11 @@ import xarray as xr
 
 from vibrom import effects, space
 from vibrom.data import label, open_dataset, save_dataset, variable
+from vibrom.hardware import description
 from vibrom.modes import eigenmodes, linearised
 from vibrom.nmte import nmte_percent
 from vibrom.solvers.newmark import Newmark, Record
 from vibrom.steps.full_order import FullOrder, build
-from vibrom.steps._hardware import hardware
 from vibrom.term import SceneError
 from vibrom.work_precision import repeated
 
@@ -69,7 +69,7 @@ def run(*, structure: str, release: str, cost: str, scene: dict, settings: dict,
             for study, setting in time_settings(model, settings)]
     mesh_rows, mesh_own = meshes(scene, settings, repeats, patience)
     dataset = as_dataset(rows + mesh_rows, own | mesh_own)
-    save_dataset(label(dataset, "cost_full_order", scene=model.name, method="full_order", settings=settings, hardware=hardware(),
+    save_dataset(label(dataset, "cost_full_order", scene=model.name, method="full_order", settings=settings, hardware=description(),
                        decay_periods=scene["decay"]["periods"]), cost, provenance)
 
 

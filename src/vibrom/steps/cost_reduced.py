@@ -20,12 +20,12 @@ import xarray as xr
 
 from vibrom import experiments
 from vibrom.data import UNSEEDED, label, open_dataset, save_dataset, variable
+from vibrom.hardware import description
 from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
 from vibrom.progress import bar
 from vibrom.rollout import Integrator
 from vibrom.rom import Monitor, Rom, Training, TrainingDiverged, Trajectory, method_from_settings, rom_from_dataset
-from vibrom.steps._hardware import hardware
 from vibrom.steps.experiment import KINDS, REFERENCE_FAILED, shortened
 from vibrom.work_precision import repeated
 
@@ -85,7 +85,7 @@ def run(*, structure: str, train: str, test: str, forced: str, frc: str, models:
         for ask, given in [(study.configured, (path,)) for path in models] + [(study.varied, pair) for pair in wanted]:
             rows.append(ask(*given))
             advance(1)
-    save_dataset(label(as_dataset(rows), "cost_reduced", scene=scene_name, method="full_order", settings=settings, hardware=hardware()), cost, provenance)
+    save_dataset(label(as_dataset(rows), "cost_reduced", scene=scene_name, method="full_order", settings=settings, hardware=description()), cost, provenance)
 
 
 class Study:

@@ -1,18 +1,15 @@
-"""scores.csv and artefacts -> results/figures/<name>.svg, .pdf and .png."""
+"""Artefacts and, where reduced models took part, scores.csv -> results/figures/<name>.svg, .pdf and .png."""
 
 from pathlib import Path
-
-import pandas as pd
 
 from vibrom.report import names
 from vibrom.report.figures import draw
 from vibrom.report.figures.style import render
-from vibrom.report.scores import Scores
-from vibrom.steps._files import collection, write
+from vibrom.steps._files import collection, scores_at, write
 
 
-def run(*, scores: str, artefacts: list[str], figures: list[str], provenance: dict | None = None) -> None:
-    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+def run(*, artefacts: list[str], figures: list[str], scores: str | None = None, provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), scores_at(scores)
     digest = (provenance or {}).get("source_digest", "unknown")
     for name in dict.fromkeys(Path(path).stem for path in figures):
         figure = draw(name, runs, values)

@@ -97,7 +97,7 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
             outcome, reason = "skipped", skipped
         else:
             try:
-                fitted = chosen.fit(training).to_dataset()
+                fitted = chosen.learn(training).to_dataset()
             except TrainingDiverged as diverged:
                 outcome, reason = "training_diverged", str(diverged)
             finally:

@@ -1,18 +1,15 @@
-"""scores.csv and artefacts -> results/tables/<name>.csv, .tex and .html."""
+"""Artefacts and, where reduced models took part, scores.csv -> results/tables/<name>.csv, .tex and .html."""
 
 from pathlib import Path
-
-import pandas as pd
 
 from vibrom.report import presentation
 from vibrom.report import tables as contract
 from vibrom.report.page import standalone
-from vibrom.report.scores import Scores
-from vibrom.steps._files import collection, write
+from vibrom.steps._files import collection, scores_at, write
 
 
-def run(*, scores: str, artefacts: list[str], tables: list[str], provenance: dict | None = None) -> None:
-    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
+def run(*, artefacts: list[str], tables: list[str], scores: str | None = None, provenance: dict | None = None) -> None:
+    runs, values = collection(artefacts), scores_at(scores)
     digest = (provenance or {}).get("source_digest", "unknown")
     frames = {name: contract.build(name, runs, values) for name in dict.fromkeys(Path(path).stem for path in tables)}
     for path in tables:

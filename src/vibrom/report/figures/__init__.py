@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
-    accuracy_cost, backbones, blow_up, configurations, cost_full_order, cost_reduced, cost_training, decay, final_shapes, forced, frc, losses,
-    phase_portraits, release_states, style, trajectories,
+    accuracy_cost, backbones, blow_up, configurations, cost_full_order, cost_reduced, cost_training, decay, effects, final_shapes, forced, frc,
+    losses, phase_portraits, release_states, stability, style, trajectories,
 )
 from vibrom.report.scores import Scores
 
@@ -25,9 +25,12 @@ DRAW = {
     "blow_up": blow_up.draw,
     "frc_amplitude": frc.amplitude,
     "frc_phase": frc.phase,
+    "effects": effects.draw,
     "cost_full_order": cost_full_order.draw,
     "cost_reduced": cost_reduced.draw,
     "cost_training": cost_training.draw,
+    "stability_map": stability.failures,
+    "stability_energy": stability.energy,
 }
 
 

@@ -5,9 +5,10 @@ import xarray as xr
 
 
 def displacement(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
-    """(node, 2) displacement [m] of every node from that of the free dofs; clamped dofs stay where they are."""
+    """(node, 2) displacement [m] of every node from that of the free dofs; clamped dofs stay where they are, mid-side nodes are left out."""
     full = np.zeros_like(structure["node"].values, dtype=float)
-    full[structure["dof_node"].values, structure["dof_axis"].values] = free
+    node, axis = structure["dof_node"].values, structure["dof_axis"].values
+    full[node[node >= 0], axis[node >= 0]] = free[node >= 0]
     return full
 
 

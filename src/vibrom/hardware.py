@@ -7,7 +7,7 @@ from pathlib import Path
 import psutil
 
 
-def hardware() -> dict[str, str | int | float]:
+def description() -> dict[str, str | int | float]:
     """Processor, its logical cores, memory [GiB], threads that the job was given, and how busy the machine was (load average of a minute)."""
     listed = Path("/proc/cpuinfo")
     lines = listed.read_text().splitlines() if listed.is_file() else []

@@ -1,0 +1,81 @@
+"""A budget from the machine: what a force, a factor and a solve cost, against what the machine can do.
+
+Floating-point operations are counted from the algorithms (a multiplication and an addition count two), bytes are those that a call must read and write at least once. The machine's peak is measured on the
+spot: chains of multiply-adds on registers, in the same lanes as the kernels, and copies between arrays of the size of a factor. What is left of the peak is latency: an element's eight
+additions to the shared force vector, and a band of twelve whose next column waits for the last.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numba import types
+
+from benchmarks.cantilever import build, released
+from benchmarks.table import Row, paired
+from vibrom.lanes import fill, kernel, load, store
+from vibrom.solvers import banded
+
+STATES, CALLS = 16, 200
+_rows = types.float64[:, ::1]
+
+
+@kernel(types.void(_rows, types.int64))
+def _peak(x, rounds):
+    a, b, c, d, e, f, g, h = load(x, 0, 8), load(x, 1, 8), load(x, 2, 8), load(x, 3, 8), load(x, 4, 8), load(x, 5, 8), load(x, 6, 8), load(x, 7, 8)
+    factor, shift = fill(1.0 - 1e-9, 8), fill(1e-9, 8)
+    for _ in range(rounds):
+        a, b, c, d = a * factor + shift, b * factor + shift, c * factor + shift, d * factor + shift
+        e, f, g, h = e * factor + shift, f * factor + shift, g * factor + shift, h * factor + shift
+    store(x, 0, a + b + c + d + e + f + g + h)
+
+
+def _often(call: Callable, *arguments) -> Callable[[], None]:
+    def run() -> None:
+        for _ in range(CALLS):
+            call(*arguments)
+
+    return run
+
+
+def measure(note) -> Iterator[Row]:
+    model = build()
+    force, n = model.term.forces[0], model.space.size
+    half = banded.half_bandwidth(model.term.stiffness)
+    depth, elements = half + 1, len(force.dofs)
+    q = np.ascontiguousarray(np.repeat(released()[:, None], STATES, axis=1))
+    internal, tangent = force.kernels(STATES)
+    _, _, factorise, solve = banded.kernels(STATES)
+    band = np.ascontiguousarray(banded.to_band(model.term.mass, half)[:, :, None] * np.ones(STATES))
+    factor, slots, scale = band.copy(), banded.band_slots(force.dofs, half), np.full(STATES, 1e-12)
+    factorise(factor)
+    work, values, x, registers, copy = band.copy(), np.zeros((n * depth, STATES)), q.copy(), np.ones((8, 8)), np.empty_like(band)
+
+    def refactor() -> None:
+        work[:] = band
+        factorise(work)
+
+    rounds = 100_000
+    seconds = paired({
+        "force": _often(internal, q, q, force.dofs, force.table, np.zeros_like(q)),
+        "tangent": _often(tangent, q, q, force.dofs, force.table, slots, scale, scale, values),
+        "factor": _often(refactor), "copy": _often(np.copyto, copy, band), "solve": _often(solve, factor, x), "peak": lambda: _peak(registers, rounds)}, repeats=7)
+    peak = rounds * 8 * 8 * 2 / seconds["peak"]
+    stream = CALLS * 2 * band.nbytes / seconds["copy"]
+    yield Row("budget", "peak of one core, multiply-adds on registers", peak / 1e9, "Gflop/s")
+    yield Row("budget", f"copy of {band.nbytes / 1e3:.0f} kB, read and written", stream / 1e9, "GB/s")
+    # A quadrature point of the bilinear element: gradient 4 x 8, strains, stresses and their products 46, forces 4 x 8 and their weights 4.
+    point = 32 + 46 + 36
+    entries = band.nbytes // 8 // STATES
+    columns = np.minimum(depth - 1, n - 1 - np.arange(n))  # entries below each diagonal
+    counts = {
+        "force": (elements * 4 * point, 8 * (2 * n + force.table.shape[0] * elements / STATES)),
+        # B of 8 dofs 4 x 10, D B and the initial stress 8 x 15, and 36 entries of 6, 20 of them 4 more.
+        "tangent": (elements * 4 * (32 + 30 + 40 + 120 + 36 * 6 + 20 * 4), 8 * (n + 2 * entries + force.table.shape[0] * elements / STATES)),
+        "factor": (int((columns * (columns + 1) + columns + 3).sum()), 8 * 4 * entries),
+        "solve": (int((4 * columns + 2).sum()), 8 * (2 * entries + 4 * n)),
+    }
+    for name, (flops, size) in counts.items():
+        each = seconds[name] / CALLS / STATES
+        yield Row("budget", f"{name}: time for one of {STATES} states", 1e6 * each, "us")
+        yield Row("budget", f"{name}: {flops} flops a state", flops / each / 1e9, "Gflop/s", "measured peak", peak / 1e9, "higher")
+        yield Row("budget", f"{name}: {size:.0f} bytes a state", size / each / 1e9, "GB/s", "measured copy", stream / 1e9, "higher")
