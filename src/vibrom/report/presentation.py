@@ -122,7 +122,7 @@ def readable(name: str, frame: pd.DataFrame) -> pd.DataFrame:
             values = [verdict or value for value, verdict in zip(values, verdicts)]
         asked = column.removesuffix("_error_percent")
         if asked != column and f"{asked}_outcome" in frame.columns:  # where there is no value the cell says why
-            why = frame[f"{asked}_outcome"].fillna(GONE)
+            why = frame[f"{asked}_outcome"].astype(object).fillna(GONE)
             values = [word if value == GONE else value for value, word in zip(values, why)]
         if name == "break_even" and column in cost.QUESTIONS.values():
             values = [printed(value) for value in frame[column]]

@@ -113,7 +113,7 @@ class Study:
         """One row: the method with these changes."""
         offline = {key: value for key, value in changes.items() if key not in ONLINE}
         fitted = self.as_configured[method] if not offline else self.fit(method, offline)
-        integrator = Integrator(changes["rtol"], changes["rtol"] / 100) if "rtol" in changes else self.integrator
+        integrator = replace(self.integrator, rtol=changes["rtol"], atol=changes["rtol"] / 100) if "rtol" in changes else self.integrator
         if fitted.rom is not None and "force_rule" in changes:
             fitted = replace(fitted, rom=replace(fitted.rom, force_rule=changes["force_rule"]))
         seed = self.seed if self.methods[method]["seeded"] else None
@@ -150,7 +150,7 @@ class Study:
 
         def call(method=method):
             clocks.append(Clock())
-            rom = method.fit(Training((motion,), (trajectory(self.artefacts["test"]),), self.structure, self.seed, self.device, start and start.rom, clocks[-1]))
+            rom = method.learn(Training((motion,), (trajectory(self.artefacts["test"]),), self.structure, self.seed, self.device, start and start.rom, clocks[-1]))
             return rom, sum(clocks[-1].seconds.values())
 
         try:
