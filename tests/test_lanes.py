@@ -1,5 +1,6 @@
 """Lanes do for each state what plain arithmetic does for one."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from vibrom.lanes import WIDTH, cut, entry, fill, floor, load, paste, positive, power_of_two, sqrt, store
+from vibrom.lanes import WIDTH, cut, edition, entry, fill, floor, load, paste, positive, power_of_two, sqrt, store
 
 
 def evaluate(width, function, *rows):
@@ -128,3 +129,17 @@ def test_specialisations_of_several_processes_are_told_apart(tmp_path):
             "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)")
     for widths in ("3", "2", "2 3 2"):
         subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
+
+
+def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch):
+    """Else an edited helper would go on as it was in every kernel that calls it."""
+    helper = tmp_path / "helper_of_a_kernel.py"
+    helper.write_text("from numba import njit\n\n\n@njit\ndef twice(x):\n    return 2.0 * x\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    twice = importlib.import_module("helper_of_a_kernel").twice
+    calls = {"twice": twice}
+    exec("def kernel(x):\n    return twice(x)\n\n\ndef other(x):\n    return 2.0 * x\n", calls)
+    before, alone = edition(calls["kernel"]), edition(calls["other"])
+    helper.write_text(helper.read_text().replace("2.0", "3.0"))
+    assert edition(calls["kernel"]) != before
+    assert edition(calls["other"]) == alone

@@ -19,6 +19,7 @@ from pathlib import Path
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
+from numba.core.dispatcher import Dispatcher
 from numba.core.errors import TypingError
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global
@@ -27,8 +28,13 @@ from numba.extending import intrinsic, models, register_model
 
 WIDTH = 8  # doubles in an AVX-512 register
 FUSED = ("contract",)  # a b + c in one instruction; nothing else may be reordered
-# numba knows a kernel on disk by its own file only; this file is part of it.
-EDITION = sha256(Path(__file__).read_bytes()).hexdigest()[:8]
+
+
+def edition(function) -> str:
+    """Digest of the other files that are part of a kernel, this one and those of the compiled functions that it calls: numba looks at its own file only."""
+    called = (function.__globals__.get(name) for name in function.__code__.co_names)
+    files = {__file__, *(value.py_func.__code__.co_filename for value in called if isinstance(value, Dispatcher))}
+    return sha256(b"".join(Path(file).read_bytes() for file in sorted(files))).hexdigest()[:8]
 
 
 def kernel(*signatures, fastmath: bool | set[str] = True):
@@ -40,7 +46,7 @@ def kernel(*signatures, fastmath: bool | set[str] = True):
 
     def compile(function):
         captured = (cell.cell_contents for cell in function.__closure__ or ())
-        function.__qualname__ = "_".join([function.__qualname__, *(str(value) for value in captured if isinstance(value, int)), EDITION])
+        function.__qualname__ = "_".join([function.__qualname__, *(str(value) for value in captured if isinstance(value, int)), edition(function)])
         return njit(list(signatures), cache=True, fastmath=fastmath, error_model="numpy")(function)
 
     return compile

@@ -6,15 +6,12 @@ Each lane carries one run with its own time, step and error control. When a run 
 so no lane waits for another. The samples are those of the seventh-order interpolant, written as the steps go by.
 """
 
-import warnings
-
 import numpy as np
-from numba import njit, types
-from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba import njit
 
-from vibrom.lanes import WIDTH, kernel, load, sqrt, store
+from vibrom.lanes import WIDTH, load, sqrt, store
 from vibrom.solvers.dop853 import A_EXTRA, B, C_EXTRA, D, E3, E5, FASTEST, SAFETY, SLOWEST, STAGES, A, C, Solution
-from vibrom.solvers.field import KERNEL, Field
+from vibrom.solvers.field import Field, compiled, slope, solve
 
 OUTCOMES = np.array(["ok", "diverged", "step_underflow"], dtype=object)
 _OK, _DIVERGED, _UNDERFLOW = range(3)
@@ -24,24 +21,6 @@ _TINY = np.finfo(float).tiny
 _WEIGHTS = np.zeros((_ALL, _ALL))
 _WEIGHTS[:STAGES, :STAGES], _WEIGHTS[STAGES, :STAGES], _WEIGHTS[STAGES + 1:, :_ALL] = A[:STAGES, :STAGES], B, A_EXTRA
 _NODES = np.concatenate([C[:STAGES], [1.0], C_EXTRA])
-
-_f1, _f2, _f3, _i1 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1], types.int64[::1]
-_TABLES = types.Tuple((_f1, _i1))
-_SIGNATURE = types.int64(
-    types.FunctionType(KERNEL), _TABLES, types.FunctionType(KERNEL), _TABLES, types.boolean, _f1, _f1, _f1,
-    _f2, _f2, types.float64, _f1, types.float64, _f1, _f1, types.int64, _f3, _i1, _f1, _f2, _f2, _f1)
-
-
-@njit
-def _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, y, push, out):
-    drift(y, drift_tables[0], drift_tables[1], work, out)
-    if driven:
-        force(y, force_tables[0], force_tables[1], work, push)
-        for w in range(WIDTH):
-            t[w] = amplitude[w] * np.sin(frequency[w] * t[w])
-        signal = load(t, 0, WIDTH)
-        for i in range(len(y)):
-            store(out, i, load(out, i, WIDTH) + load(push, i, WIDTH) * signal)
 
 
 @njit
@@ -54,14 +33,14 @@ def _weighed(weights, count, slopes, i):
     return total
 
 
-def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequencies, work, start, times, rtol, atol, first_step, reach, limit, max_steps,
+def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequencies, work, start, times, numbers, atol, reach, limit,
           samples, outcome, ended_at, last, peak, left_at):
     """Integrates all runs and fills the last six arrays; returns the number of accepted steps."""
     runs, r = start.shape
-    m = times.shape[1]
+    m, rtol, first_step, max_steps = times.shape[1], numbers[0], numbers[1], int(numbers[2])
     run, tried, wanted, rejected, fresh = np.full(WIDTH, -1), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.bool_), np.zeros(WIDTH, np.bool_)
     good, t, h, hk, instant = np.zeros(WIDTH, np.bool_), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
-    amplitude, frequency, error = np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
+    amplitude, frequency, signal, error = np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
     y, new, stage, push = np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH))
     slopes, dense = np.zeros((_ALL, r, WIDTH)), np.zeros((7, r, WIDTH))
     queue, going, accepted = 0, 0, 0
@@ -86,7 +65,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
             return accepted
         if started:
             instant[:] = t
-            _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, y, push, slopes[1])
+            slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, signal, y, push, slopes[1])
             for i in range(r):
                 for w in range(WIDTH):
                     if fresh[w]:
@@ -100,7 +79,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                 store(target, i, load(y, i, WIDTH) + step * _weighed(_WEIGHTS[s], s, slopes, i))
             for w in range(WIDTH):
                 instant[w] = t[w] + _NODES[s] * hk[w]
-            _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, target, push, slopes[s])
+            slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, signal, target, push, slopes[s])
         fifth, third = step * 0.0, step * 0.0
         for i in range(r):
             for w in range(WIDTH):
@@ -120,7 +99,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                     store(stage, i, load(y, i, WIDTH) + step * _weighed(_WEIGHTS[s], s, slopes, i))
                 for w in range(WIDTH):
                     instant[w] = t[w] + _NODES[s] * hk[w]
-                _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, stage, push, slopes[s])
+                slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, signal, stage, push, slopes[s])
             for i in range(r):
                 change = load(new, i, WIDTH) - load(y, i, WIDTH)
                 store(dense[0], i, change)
@@ -172,27 +151,11 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                     y[i, w] = 0.0
 
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-    _compiled = kernel(_SIGNATURE, fastmath={"contract"})(_loop)
+_compiled = compiled(_loop)
 
 
 def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float, atol: np.ndarray, first_step: float, reach: np.ndarray, limit: np.ndarray,
               max_steps: int, amplitude: np.ndarray | None = None, frequency: np.ndarray | None = None) -> Solution:
-    """As `dop853.integrate`, for a compiled field: `start` (b, r), `times` (b, m) ascending [s]; a force acts with amplitude (b,) and angular frequency (b,)."""
-    runs, r = start.shape
-    driven = field.force is not None
-    if driven and (amplitude is None or frequency is None):
-        raise ValueError("a field with a force needs the amplitude and the frequency of each run")
-    force = field.force if driven else field.drift
-    still = np.zeros(runs)
-    # Copies: compiled code asks for arrays that may be written to.
-    start, times, atol, reach, limit, amplitude, frequency = (
-        np.array(value, dtype=float, order="C") for value in (start, times, atol, reach, limit, *((amplitude, frequency) if driven else (still, still))))
-    samples, outcome = np.full((*times.shape, r), np.nan), np.zeros(runs, np.int64)
-    ended_at, last, peak, left_at = np.zeros(runs), np.empty((runs, r)), np.empty((runs, r)), np.full(runs, np.nan)
-    work = np.zeros(WIDTH * max(field.drift.rows, force.rows))
-    steps = _compiled(
-        field.drift.function, (field.drift.numbers, field.drift.index), force.function, (force.numbers, force.index), driven, amplitude, frequency, work,
-        start, times, float(rtol), atol, float(first_step), reach, limit, int(max_steps), samples, outcome, ended_at, last, peak, left_at)
-    return Solution(samples, OUTCOMES[outcome], ended_at, last, peak, left_at, int(steps))
+    """As `dop853.integrate`, for a compiled field; arguments as those of `field.solve`."""
+    return solve(_compiled, OUTCOMES, field, start, times, (rtol, first_step, max_steps), atol=atol, reach=reach, limit=limit, amplitude=amplitude,
+                 frequency=frequency)

@@ -7,15 +7,12 @@ Integration, II.1.3). Newton's iteration keeps the Jacobian of the step's start,
 grows beyond `limit` as `diverged`. Samples come from the cubic through value and slope at both ends of a step, which is of the method's order.
 """
 
-import warnings
-
 import numpy as np
-from numba import njit, types
-from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba import njit
 
-from vibrom.lanes import WIDTH, kernel
+from vibrom.lanes import WIDTH
 from vibrom.solvers.dop853 import Solution
-from vibrom.solvers.field import KERNEL, Field
+from vibrom.solvers.field import Field, compiled, slope, solve
 
 OUTCOMES = np.array(["ok", "diverged", "no_convergence"], dtype=object)
 _OK, _DIVERGED, _FAILED = range(3)
@@ -24,22 +21,6 @@ _S = np.sqrt(3.0) / 6.0
 _A11, _A12, _A21, _A22, _C1, _C2 = 0.25, 0.25 - _S, 0.25 + _S, 0.25, 0.5 - _S, 0.5 + _S
 ITERATIONS = 20
 NUDGE = 1e-7  # of the range: the differences behind the Jacobian; half the digits, which costs Newton an iteration and the solution nothing
-
-_f1, _f2, _f3, _i1 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1], types.int64[::1]
-_TABLES = types.Tuple((_f1, _i1))
-_SIGNATURE = types.int64(types.FunctionType(KERNEL), _TABLES, types.FunctionType(KERNEL), _TABLES, types.boolean, _f1, _f1, _f1,
-                         _f2, _f2, types.float64, types.float64, _f1, _f1, _f1, _f3, _i1, _f1, _f2, _f2, _f1)
-
-
-@njit
-def _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, y, push, out):
-    drift(y, drift_tables[0], drift_tables[1], work, out)
-    if driven:
-        force(y, force_tables[0], force_tables[1], work, push)
-        for w in range(WIDTH):
-            signal = amplitude[w] * np.sin(frequency[w] * t[w])
-            for i in range(len(y)):
-                out[i, w] += push[i, w] * signal
 
 
 @njit
@@ -66,12 +47,12 @@ def _eliminate(matrix, right):
         right[i] /= matrix[i, i]
 
 
-def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequencies, work, start, times, longest, rtol, atol, reach, limit,
+def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequencies, work, start, times, numbers, atol, reach, limit,
           samples, outcome, ended_at, last, peak, left_at):
     """Integrates all runs, eight after eight, and fills the last six arrays; returns the number of steps."""
     runs, r = start.shape
-    m, taken = times.shape[1], 0
-    t, h, instant, amplitude, frequency = np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
+    m, longest, rtol, taken = times.shape[1], numbers[0], numbers[1], 0
+    t, h, instant, signal, amplitude, frequency = np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH), np.zeros(WIDTH)
     run, steps, wanted, status = np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64), np.zeros(WIDTH, np.int64)
     done = np.zeros(WIDTH, np.bool_)
     y, f, new, ahead, stage, push = np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH)), np.zeros((r, WIDTH))
@@ -94,13 +75,13 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                 while wanted[w] < m and times[run[w], wanted[w]] <= 0.0:
                     samples[run[w], wanted[w]] = start[run[w]]
                     wanted[w] += 1
-        _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, y, push, f)
+        slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, signal, y, push, f)
         for number in range(longest_run):
             for j in range(r):
                 for i in range(r):
                     for w in range(WIDTH):
                         stage[i, w] = y[i, w] + (NUDGE * reach[j] if i == j else 0.0)
-                _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, stage, push, found[0])
+                slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, t, signal, stage, push, found[0])
                 for i in range(r):
                     for w in range(WIDTH):
                         jacobian[i, j, w] = (found[0, i, w] - f[i, w]) / (NUDGE * reach[j])
@@ -115,7 +96,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                         instant[w] = t[w] + c * h[w]
                         for i in range(r):
                             stage[i, w] = y[i, w] + h[w] * (a * k[0, i, w] + b * k[1, i, w])
-                    _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, stage, push, found[s])
+                    slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, signal, stage, push, found[s])
                 all_done = True
                 for w in range(WIDTH):
                     if done[w]:
@@ -142,7 +123,7 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
                 for i in range(r):
                     new[i, w] = y[i, w] + (0.5 * h[w] * (k[0, i, w] + k[1, i, w]) if going and done[w] else 0.0)
                 instant[w] = times[run[w], m - 1] if number + 1 == steps[w] else (number + 1) * h[w]
-            _slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, new, push, ahead)
+            slope(drift, drift_tables, force, force_tables, driven, amplitude, frequency, work, instant, signal, new, push, ahead)
             any_left = False
             for w in range(WIDTH):
                 if status[w] != _RUNNING:
@@ -185,26 +166,10 @@ def _loop(drift, drift_tables, force, force_tables, driven, amplitudes, frequenc
     return taken
 
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-    _compiled = kernel(_SIGNATURE, fastmath={"contract"})(_loop)
+_compiled = compiled(_loop)
 
 
 def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, step: float, rtol: float, atol: np.ndarray, reach: np.ndarray, limit: np.ndarray,
               amplitude: np.ndarray | None = None, frequency: np.ndarray | None = None) -> Solution:
     """As `dop853_loop.integrate`, in equal steps of at most `step` [s]; the tolerances are those of Newton's iteration."""
-    runs, r = start.shape
-    driven = field.force is not None
-    if driven and (amplitude is None or frequency is None):
-        raise ValueError("a field with a force needs the amplitude and the frequency of each run")
-    force = field.force if driven else field.drift
-    still = np.zeros(runs)
-    start, times, atol, reach, limit, amplitude, frequency = (
-        np.array(value, dtype=float, order="C") for value in (start, times, atol, reach, limit, *((amplitude, frequency) if driven else (still, still))))
-    samples, outcome = np.full((*times.shape, r), np.nan), np.zeros(runs, np.int64)
-    ended_at, last, peak, left_at = np.zeros(runs), np.empty((runs, r)), np.empty((runs, r)), np.full(runs, np.nan)
-    work = np.zeros(WIDTH * max(field.drift.rows, force.rows))
-    steps = _compiled(
-        field.drift.function, (field.drift.numbers, field.drift.index), force.function, (force.numbers, force.index), driven, amplitude, frequency, work,
-        start, times, float(step), float(rtol), atol, reach, limit, samples, outcome, ended_at, last, peak, left_at)
-    return Solution(samples, OUTCOMES[outcome], ended_at, last, peak, left_at, int(steps))
+    return solve(_compiled, OUTCOMES, field, start, times, (step, rtol), atol=atol, reach=reach, limit=limit, amplitude=amplitude, frequency=frequency)
