@@ -8,6 +8,7 @@ so that a checkpoint is that vector, the optimiser's state and the generator. On
 
 import time
 from dataclasses import dataclass
+from functools import partial
 from hashlib import sha256
 from math import ceil, cos, pi
 from typing import Iterator
@@ -16,6 +17,7 @@ import numpy as np
 import torch
 
 from vibrom.latent.autoencoder import Autoencoder, Polynomial
+from vibrom.latent.graphs import captured
 from vibrom.latent.optimisers import OPTIMISERS, Adam, Soap
 from vibrom.rom import MethodError, Monitor, TrainingDiverged
 
@@ -156,7 +158,7 @@ def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tenso
     """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses.
 
     No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a
-    step is the same work on the same addresses every time.
+    step is the same work on the same addresses every time, and a GPU gets it as one graph.
     """
     samples = c.shape[1]
     batch = min(schedule.batch or samples, samples)
@@ -165,21 +167,28 @@ def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tenso
     rates = torch.tensor([schedule.rate_at(step, steps) for step in range(steps)], dtype=torch.float64).to(c.device)
     rate = torch.zeros_like(rates[0])
     sums = torch.zeros(len(learner.terms), dtype=c.dtype, device=c.device)
+
+    def step(part: torch.Tensor) -> None:
+        sums.add_(learner.losses(part), alpha=part.shape[1] / samples)
+        optimiser.step(learner.gradient, rate)
+
     # All batches have one size, save perhaps the last.
-    places = {size: c if batches == 1 else c.new_empty(3, size, c.shape[2]) for size in (batch, samples - (batches - 1) * batch)}
+    sizes = {batch, samples - (batches - 1) * batch}
+    places = {size: c if batches == 1 else c[:, :size].clone() for size in sizes}
+    changed = [learner.vector, sums, *optimiser.state.values()]
+    learn = {size: captured(partial(step, place), changed, c.device) for size, place in places.items()}
     for epoch in range(first, schedule.epochs):
         order = torch.randperm(samples, generator=generator).to(c.device) if schedule.shuffle else None
         sums.zero_()
         for index in range(batches):
-            begin, step = index * batch, epoch * batches + index
-            part = places[min(batch, samples - begin)]
+            begin, number = index * batch, epoch * batches + index
+            size = min(batch, samples - begin)
             if batches > 1:
-                span = slice(begin, begin + part.shape[1])
-                part.copy_(c[:, span] if order is None else c[:, order[span]])
-            rate.copy_(rates[step])
-            sums.add_(learner.losses(part), alpha=part.shape[1] / samples)
-            optimiser.step(learner.gradient, rate)
-            if optimiser.every and (step + 1) % optimiser.every == 0:
+                span = slice(begin, begin + size)
+                places[size].copy_(c[:, span] if order is None else c[:, order[span]])
+            rate.copy_(rates[number])
+            learn[size]()
+            if optimiser.every and (number + 1) % optimiser.every == 0:
                 optimiser.turn()
         yield epoch + 1, sums
 
