@@ -10,30 +10,17 @@ This form takes any numpy function; `dop853_loop` does the same for compiled one
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import DOP853
+
+from vibrom.solvers.field import Solution
 
 A, B, C, E3, E5, D = DOP853.A, DOP853.B, DOP853.C, DOP853.E3, DOP853.E5, DOP853.D
 A_EXTRA, C_EXTRA = DOP853.A_EXTRA, DOP853.C_EXTRA
 STAGES = DOP853.n_stages
 SAFETY, SLOWEST, FASTEST = 0.9, 0.2, 10.0
 Field = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Samples (b, m, r) at the asked instants, NaN after a failure; outcome, end time [s] and last finite state of each of the b runs;
-    peak (b, r): the largest |y|; left_at (b,): when |y| first exceeded `reach`, NaN if never; steps accepted in all."""
-
-    samples: np.ndarray
-    outcome: np.ndarray
-    ended_at: np.ndarray
-    last: np.ndarray
-    peak: np.ndarray
-    left_at: np.ndarray
-    steps: int
 
 
 def integrate(field: Field, start: np.ndarray, times: np.ndarray, *, rtol: float, atol: np.ndarray, first_step: np.ndarray, reach: np.ndarray,

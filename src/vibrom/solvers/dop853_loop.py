@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 
 from vibrom.lanes import WIDTH, load, sqrt, store
-from vibrom.solvers.dop853 import A_EXTRA, B, C_EXTRA, D, E3, E5, FASTEST, SAFETY, SLOWEST, STAGES, A, C, Solution
-from vibrom.solvers.field import Field, compiled, slope, solve
+from vibrom.solvers.dop853 import A_EXTRA, B, C_EXTRA, D, E3, E5, FASTEST, SAFETY, SLOWEST, STAGES, A, C
+from vibrom.solvers.field import Field, Solution, compiled, slope, solve
 
 OUTCOMES = np.array(["ok", "diverged", "step_underflow"], dtype=object)
 _OK, _DIVERGED, _UNDERFLOW = range(3)

@@ -9,7 +9,6 @@ from numba import njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from vibrom.lanes import WIDTH, kernel, load, store
-from vibrom.solvers.dop853 import Solution
 
 _f1, _f2, _f3, _i1 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1], types.int64[::1]
 # out (r, WIDTH) = f(y (r, WIDTH)); numbers and index are the map's own tables, work its scratch of `rows` times WIDTH.
@@ -37,6 +36,20 @@ class Field:
 
     drift: Kernel
     force: Kernel | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Samples (b, m, r) at the asked instants, NaN after a failure; outcome, end time [s] and last finite state of each of the b runs;
+    peak (b, r): the largest |y|; left_at (b,): when |y| first exceeded `reach`, NaN if never; steps accepted in all."""
+
+    samples: np.ndarray
+    outcome: np.ndarray
+    ended_at: np.ndarray
+    last: np.ndarray
+    peak: np.ndarray
+    left_at: np.ndarray
+    steps: int
 
 
 @njit

@@ -11,8 +11,7 @@ import numpy as np
 from numba import njit
 
 from vibrom.lanes import WIDTH
-from vibrom.solvers.dop853 import Solution
-from vibrom.solvers.field import Field, compiled, slope, solve
+from vibrom.solvers.field import Field, Solution, compiled, slope, solve
 
 OUTCOMES = np.array(["ok", "diverged", "no_convergence"], dtype=object)
 _OK, _DIVERGED, _FAILED = range(3)
