@@ -2,6 +2,7 @@
 #
 #   snakemake --cores 2                 everything
 #   snakemake --cores 2 tables figures  only these
+#   snakemake --cores 2 cost            what accuracy costs in time
 #   snakemake --cores 2 effects         what each effect of a scene is worth; no model is trained
 #   snakemake --cores 2 stability       only the grid of hard cases
 #   snakemake --list                    all rules; each method has its own
@@ -70,6 +71,7 @@ include: "workflow/rules/cost.smk"
 include: "workflow/rules/results.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/stability.smk"
+include: "workflow/rules/families.smk"
 
 
 rule all:

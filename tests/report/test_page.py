@@ -43,14 +43,14 @@ class Reader(HTMLParser):
 @pytest.fixture(scope="module")
 def made(tree, tmp_path_factory):
     folder = tmp_path_factory.mktemp("out")
-    numbers = [str(folder / "tables" / f"{name}.{form}") for name in names.TABLES for form in names.TABLE_FORMATS]
-    pictures = [str(folder / "figures" / f"{name}.svg") for name in names.figures(SCENES)]
+    numbers = [str(folder / "tables" / f"{name}.{form}") for name in names.tables("models", "effects") for form in names.TABLE_FORMATS]
+    pictures = [str(folder / "figures" / f"{name}.svg") for name in names.figures(SCENES, "models", "effects")]
     common = {"scores": tree.scores, "provenance": {"source_digest": "feedbeef", "versions": '{"matplotlib": "3"}'}}
     tables.run(artefacts=tree.artefacts, tables=numbers, **common)
     figures.run(artefacts=tree.artefacts, figures=pictures[:2], **common)
     for path in pictures[2:]:  # what is in a picture is tested elsewhere
         Path(path).write_text("<svg/>")
-    said = [str(CAPTIONS / name) for name in names.captions(SCENES)]
+    said = [str(CAPTIONS / name) for name in names.captions()]
     everything = dict(artefacts=tree.artefacts, tables=numbers, figures=pictures, captions=said)
     for name in ("report.html", "again.html"):
         report.run(report=str(folder / name), **everything, **common)
@@ -74,8 +74,8 @@ def test_the_page_needs_nothing_else(page):
 def test_the_page_has_every_table_and_figure_once(page):
     ids = Reader(page).ids
     assert len(ids) == len(set(ids))
-    assert {f"table-{name}" for name in names.TABLES} | {f"figure-{name}" for name in names.figures(SCENES)} <= set(ids)
-    assert len(Reader(page).images) == len(names.figures(SCENES))
+    assert {f"table-{name}" for name in names.tables("models", "effects")} | {f"figure-{name}" for name in names.figures(SCENES, "models", "effects")} <= set(ids)
+    assert len(Reader(page).images) == len(names.figures(SCENES, "models", "effects"))
 
 
 def test_the_page_shows_the_hard_cases_and_what_made_it(page):
@@ -114,7 +114,7 @@ def test_the_headline_marks_failed_seeds_and_leaving_the_range(tmp_path):
 
 
 def test_every_table_and_figure_has_a_caption_for_both_reports():
-    for name in names.captions(SCENES):
+    for name in names.captions():
         caption = captions.parse((CAPTIONS / name).read_text(encoding="utf-8"), name)
         assert caption.title and caption.paragraphs, name
         assert "{{" not in "".join(caption.paragraphs)

@@ -105,13 +105,13 @@ def test_full_order_at_coarse_steps(collection):
 
 def test_all_are_written_and_drawn_and_a_run_without_them_is_no_error(collection, tmp_path):
     nobody = Scores(pd.DataFrame(columns=COLUMNS))
-    paths = [str(tmp_path / f"{name}.{form}") for name in names.STABILITY_TABLES for form in names.TABLE_FORMATS]
+    paths = [str(tmp_path / f"{name}.{form}") for name in names.tables("stability") for form in names.TABLE_FORMATS]
     tables_step.run(artefacts=[loader.args[0] for loader in collection.loaders.values()], tables=paths)
     assert "no_convergence 1" in (tmp_path / "full_order_steps.html").read_text() and r"$\gamma$" in (tmp_path / "full_order_steps.tex").read_text()
-    for name in names.stability_figures(["folding"]):
+    for name in names.figures(["folding"], "stability"):
         figure = draw(name, collection, nobody)
         assert all(axes.get_xlabel() or axes.get_title(loc="left") or axes.get_label() == "<colorbar>" for axes in figure.axes)
         assert names.split(name)[1] == "folding"
     assert "none: 4 of 18 failed" in " ".join(axes.get_title(loc="left") for axes in draw("stability_map_folding", collection, nobody).axes)
     empty = opened([])
-    assert all(tables.build(name, empty, nobody).empty for name in names.STABILITY_TABLES)
+    assert all(tables.build(name, empty, nobody).empty for name in names.tables("stability"))

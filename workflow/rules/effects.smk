@@ -1,6 +1,4 @@
-# What each effect of a scene is worth: each is left out in turn. No reduced model takes part, so that the table and the figures have rules of their own.
-#
-#   snakemake --cores 2 effects
+# What each effect of a scene is worth: each is left out in turn. No reduced model takes part.
 
 
 rule full_order_effects:
@@ -23,44 +21,3 @@ rule full_order_effects:
         "{wildcards.scene}: full order, each effect left out in turn"
     script:
         "../scripts/step.py"
-
-
-rule effects_tables:
-    input:
-        artefacts=EFFECTS_FILES,
-    output:
-        tables=table_files("effects"),
-    log:
-        "<logs>/effects_tables.log",
-    params:
-        step="tables",
-        provenance=code("tables"),
-    message:
-        "tables of effects"
-    script:
-        "../scripts/step.py"
-
-
-rule effects_figures:
-    input:
-        artefacts=EFFECTS_FILES,
-    output:
-        figures=figure_files("effects"),
-    log:
-        "<logs>/effects_figures.log",
-    params:
-        step="figures",
-        provenance=code("figures"),
-    message:
-        "figures of effects"
-    script:
-        "../scripts/step.py"
-
-
-rule effects:
-    localrule: True
-    input:
-        rules.effects_tables.output,
-        rules.effects_figures.output,
-    message:
-        "the table and figures of effects are there"

@@ -1,8 +1,5 @@
 # From the artefacts of all models to scores, tables, figures, the report and MLflow.
-from vibrom.report.names import FIGURE_FORMATS, STABILITY_TABLES, TABLE_FORMATS, TABLES, of_family, stability_figures
-from vibrom.report.names import captions as caption_names
-from vibrom.report.names import figures as figure_names
-from vibrom.report.names import split as figure_group
+from vibrom.report import names as shown_names
 
 CAPTIONS = ROOT / "workflow/report"
 
@@ -20,45 +17,43 @@ FULL_ORDER_FILES = [
 ]
 ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS + COST_ARTEFACTS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
-
-# The grid of hard cases has rules of its own; what they show is part of the page.
 HARD = SETTINGS.stability["scenes"]
-HARD_TABLES = [f"<results>/tables/{name}.{form}" for name in STABILITY_TABLES if HARD for form in TABLE_FORMATS]
-HARD_FIGURES = [f"<results>/figures/{name}.{form}" for name in stability_figures(HARD) for form in FIGURE_FORMATS]
+HARD_FILES = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD] + [
+    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in HARD for name in ("stability", "frc")
+]
+
+# Which scenes each family of tables and figures is about; a family without scenes has none.
+ASKED = {"models": list(SCENES), "effects": list(SCENES), "stability": HARD}
 
 
-def shown(path, kind, name):
-    """An output that appears in Snakemake's report, with its caption."""
-    caption = name if kind == "tables" else figure_group(name)[0]
-    return report(
-        path,
-        caption=f"../report/{kind}/{caption}.rst",
-        category=kind.capitalize(),
-        labels={kind[:-1]: name.replace("_", " ")},
-    )
+def table_files(*families):
+    """The tables of these families, in all their formats; of all, where none is named."""
+    chosen = [family for family in families or ASKED if ASKED[family]]
+    return [f"<results>/tables/{name}.{form}" for family in chosen for name in shown_names.tables(family) for form in shown_names.TABLE_FORMATS]
 
 
-def table_files(family=None):
-    """The tables of a family of experiments, or of the reduced models."""
+def figure_files(*families):
     return [
-        shown(path, "tables", name) if form == "html" else path
-        for name in of_family("tables", family, TABLES)
-        for form in TABLE_FORMATS
-        for path in [f"<results>/tables/{name}.{form}"]
+        f"<results>/figures/{name}.{form}"
+        for family in families or ASKED
+        for name in shown_names.figures(ASKED[family], family)
+        for form in shown_names.FIGURE_FORMATS
     ]
 
 
-def figure_files(family=None):
-    return [
-        shown(path, "figures", name) if form == "svg" else path
-        for name in of_family("figures", family, figure_names(SCENES))
-        for form in FIGURE_FORMATS
-        for path in [f"<results>/figures/{name}.{form}"]
-    ]
+def in_report(paths):
+    """The same as outputs: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
 
+    def flagged(path):
+        kind, name, form = Path(path).parent.name, Path(path).stem, Path(path).suffix
+        if form not in (".html", ".svg"):
+            return path
+        caption = name if kind == "tables" else shown_names.split(name)[0]
+        return report(
+            path, caption=f"../report/{kind}/{caption}.rst", category=kind.capitalize(), labels={kind[:-1]: name.replace("_", " ")}
+        )
 
-ALL_TABLES = [f"<results>/tables/{name}.{form}" for name in TABLES for form in TABLE_FORMATS]
-ALL_FIGURES = [f"<results>/figures/{name}.{form}" for name in figure_names(SCENES) for form in FIGURE_FORMATS]
+    return [flagged(path) for path in paths]
 
 
 rule scores:
@@ -81,7 +76,7 @@ rule tables:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS,
     output:
-        tables=table_files(),
+        tables=in_report(table_files("models")),
     log:
         "<logs>/tables.log",
     params:
@@ -97,7 +92,7 @@ rule figures:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS,
     output:
-        figures=figure_files(),
+        figures=in_report(figure_files("models")),
     log:
         "<logs>/figures.log",
     benchmark:
@@ -114,9 +109,9 @@ rule report:
     input:
         scores=rules.scores.output.scores,
         artefacts=ARTEFACTS + EFFECTS_FILES,
-        tables=ALL_TABLES + HARD_TABLES,
-        figures=ALL_FIGURES + HARD_FIGURES,
-        captions=[f"{CAPTIONS}/{name}" for name in caption_names(SCENES)],
+        tables=table_files(),
+        figures=figure_files(),
+        captions=[f"{CAPTIONS}/{name}" for name in shown_names.captions()],
     output:
         report="<results>/report.html",
     log:
@@ -133,8 +128,8 @@ rule tracking:
     input:
         scores=rules.scores.output.scores,
         fitted=FITTED,
-        tables=ALL_TABLES,
-        figures=ALL_FIGURES,
+        tables=table_files(),
+        figures=figure_files(),
     output:
         store="<results>/mlflow.db",
         artifacts=directory("<results>/mlflow_artifacts"),
@@ -156,7 +151,7 @@ rule headline:
         rules.tracking.output.store,
         scores=rules.scores.output.scores,
         report=rules.report.output.report,
-        tables=ALL_TABLES,
+        tables=table_files(),
     output:
         headline="<results>/headline.txt",
     log:
@@ -172,7 +167,7 @@ rule headline:
 rule cost:
     localrule: True
     input:
-        [f"<results>/tables/{name}.csv" for name in TABLES if name.startswith(("cost_", "cheapest", "break_even"))],
-        [f"<results>/figures/{name}.svg" for name in figure_names(SCENES) if name.startswith("cost_")],
+        [f"<results>/tables/{name}.csv" for name in shown_names.tables("models") if name.startswith(("cost_", "cheapest", "break_even"))],
+        [f"<results>/figures/{name}.svg" for name in shown_names.figures(SCENES, "models") if name.startswith("cost_")],
     message:
         "what accuracy costs in time: tables cost_full_order, cost_reduced, cheapest and break_even, figures cost_*"

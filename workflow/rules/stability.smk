@@ -1,9 +1,6 @@
-# The grid of hard cases: one job a fitted model and one for the full order of each scene, then its tables and figures.
+# The grid of hard cases: one job a fitted model and one for the full order of each scene.
 
 STABILITY = {key: value for key, value in SETTINGS.stability.items() if key not in ("scenes", "full_order")}
-HARD_ARTEFACTS = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD] + [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in HARD for name in ("stability", "frc")
-]
 
 
 def model_stability_code(wildcards):
@@ -57,43 +54,3 @@ rule full_order_stability:
         "{wildcards.scene}: full order: coarse steps"
     script:
         "../scripts/step.py"
-
-
-rule stability_tables:
-    input:
-        artefacts=HARD_ARTEFACTS,
-    output:
-        tables=[shown(path, "tables", Path(path).stem) if path.endswith(".html") else path for path in HARD_TABLES],
-    log:
-        "<logs>/stability_tables.log",
-    params:
-        step="tables",
-        provenance=code("tables"),
-    message:
-        "tables of hard cases"
-    script:
-        "../scripts/step.py"
-
-
-rule stability_figures:
-    input:
-        artefacts=HARD_ARTEFACTS,
-    output:
-        figures=[shown(path, "figures", Path(path).stem) if path.endswith(".svg") else path for path in HARD_FIGURES],
-    log:
-        "<logs>/stability_figures.log",
-    params:
-        step="figures",
-        provenance=code("figures"),
-    message:
-        "figures of hard cases"
-    script:
-        "../scripts/step.py"
-
-
-rule stability:
-    localrule: True
-    input:
-        HARD_TABLES + HARD_FIGURES,
-    message:
-        "hard cases: everything is there"

@@ -75,7 +75,7 @@ def compose(
 
     digests, versions = sources(collection)
     versions |= json.loads(provenance.get("versions", "{}"))
-    shown = [entry(name, image=image(figures[name])) for name in (*names.figures(collection.scenes), *names.stability_figures(collection.scenes)) if name in figures]
+    shown = [entry(name, image=image(figures[name])) for name in names.figures(collection.scenes) if name in figures]
     return render(
         "page.html.j2",
         scenes=collection.scenes, methods=[thesis.label(method) for method in collection.methods],
@@ -83,7 +83,7 @@ def compose(
         headline=[(title, plain(frame)) for title, frame in headline.items()],
         glance=[figure for figure in shown if "cost" in figure["name"].split("_")],
         figures=[figure for figure in shown if "cost" not in figure["name"].split("_")],
-        tables=[entry(name, table=fragment(tables[name])) for name in (*names.TABLES, *names.STABILITY_TABLES) if name in tables],
+        tables=[entry(name, table=fragment(tables[name])) for name in names.tables() if name in tables],
         hard=plain(hard) if len(hard) else None,
         digests=plain(digests), versions=versions, digest=provenance.get("source_digest", "unknown"),
         thesis=thesis.SOURCE,
