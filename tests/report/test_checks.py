@@ -114,3 +114,15 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
     assert met(run("split"), quantity, "split") == ["no"]
     frame = tables.build("checks", collection, scores)  # 8 x 2 cells: not the thesis's beam
     assert len(frame) == 2 * 4 * 2 and set(frame["met"]) == {"yes"}
+
+
+def test_guarded_response_curves_have_bounds_of_their_own():
+    good = {"case": "folding", "method": "split_plus", "guard": "dissipative", "points": 99, "points_with_value": 99, "median_amplitude_error_percent": 1.9,
+            "peak_error_percent": -2.9, "peak_steps": 1.0}
+    assert [row[-2] for row in checks.guarded(pd.DataFrame([good]))] == ["yes"] * 4
+    bad = {"points_with_value": 98, "median_amplitude_error_percent": 2.1, "peak_error_percent": 3.1, "peak_steps": 2.0}
+    for place, (name, value) in enumerate(bad.items()):
+        assert [row[-2] for row in checks.guarded(pd.DataFrame([good | {name: value}]))] == ["no" if place == row else "yes" for row in range(4)]
+    missing = {"median_amplitude_error_percent": np.nan, "peak_error_percent": np.nan, "peak_steps": np.nan}
+    assert [row[-2] for row in checks.guarded(pd.DataFrame([good | missing]))] == ["yes", "no", "no", "no"]
+    assert not list(checks.guarded(pd.DataFrame([good | {"guard": "none"}, good | {"method": "ssmlearn"}])))

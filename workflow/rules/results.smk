@@ -74,7 +74,7 @@ rule scores:
 rule tables:
     input:
         scores=rules.scores.output.scores,
-        artefacts=ARTEFACTS,
+        artefacts=list(dict.fromkeys(ARTEFACTS + HARD_FILES)),
     output:
         tables=in_report(table_files("models")),
     log:
