@@ -88,6 +88,16 @@ def test_release_states_shared_by_scenes_are_drawn_once(collection, scores, tree
     assert [state.used for state in shared] == [["small test", "large test"], ["small train", "large train"]]
 
 
+def test_a_body_under_a_dead_load_is_drawn_about_its_equilibrium(collection):
+    from vibrom.report.figures.body import outlines, quadrilaterals
+
+    structure = collection.find("small", "full_order", "structure")
+    sagged, moved = np.linspace(0.0, -0.1, structure.sizes["dof"]), np.linspace(0.0, 0.02, structure.sizes["dof"])
+    under_load = structure.assign(equilibrium=("dof", sagged))
+    for drawn in (quadrilaterals, lambda *arguments: np.concatenate(outlines(*arguments))):
+        np.testing.assert_allclose(drawn(under_load, moved), drawn(structure, sagged + moved), atol=1e-15)
+
+
 def test_outline_of_a_beam_is_one_closed_loop(collection):
     from vibrom.report.figures.body import outline
 

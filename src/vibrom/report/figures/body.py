@@ -12,9 +12,15 @@ def displacement(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
     return full
 
 
+def rest(structure: xr.Dataset) -> np.ndarray:
+    """(node, 2) positions [m] that displacements are measured from: those of the mesh, or of the equilibrium under the dead load."""
+    position = structure["node"].values
+    return position + displacement(structure, structure["equilibrium"].values) if "equilibrium" in structure else position
+
+
 def quadrilaterals(structure: xr.Dataset, free: np.ndarray, scale: float = 1.0) -> np.ndarray:
     """(element, 4, 2) corners [m] of the deformed elements."""
-    return (structure["node"].values + scale * displacement(structure, free))[structure["element_node"].values]
+    return (rest(structure) + scale * displacement(structure, free))[structure["element_node"].values]
 
 
 def magnitude(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
@@ -47,7 +53,7 @@ def outline(structure: xr.Dataset) -> list[np.ndarray]:
 
 def outlines(structure: xr.Dataset, free: np.ndarray, scale: float = 1.0) -> list[np.ndarray]:
     """The deformed outline [m], loop by loop, each (points, 2)."""
-    position = structure["node"].values + scale * displacement(structure, free)
+    position = rest(structure) + scale * displacement(structure, free)
     return [position[loop] for loop in outline(structure)]
 
 

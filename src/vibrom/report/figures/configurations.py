@@ -27,7 +27,7 @@ def draw(collection, scores, scene=None) -> Figure:
         axes.add_collection(cells)
         moved = body.displacement(state.structure, state.displacement)
         free_end = np.argmax(np.linalg.norm(moved, axis=1))
-        place = state.structure["node"].values[free_end] + moved[free_end]
+        place = body.rest(state.structure)[free_end] + moved[free_end]
         axes.annotate(f"{state.at('probe'):.4g} m", place, xytext=(4, 4), textcoords="offset points", fontsize=6.5)
     axes.autoscale_view()
     axes.margins(x=0.12, y=0.08)
