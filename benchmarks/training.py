@@ -13,7 +13,7 @@ steps of Adam. All use the gradient of `vibrom.latent`; steps of L-BFGS are eval
 
 Last comes the thesis's literal recipe (displacements, physical time, ELU, batches of 1024, Adam): iterations per second by the wall clock,
 against the same written with torch's own modules, forward-mode derivatives and automatic differentiation, and against what the thesis's table of
-run times gives.
+run times gives. Where there is a GPU, it then trains too.
 """
 
 import time
@@ -209,6 +209,7 @@ def measure(note: Callable[[str], None]) -> Iterator[Row]:
             yield from default_rows(scene, method, found)
     yield from other_rows(note)
     yield from literal_rows(note)
+    yield from device_rows(note)
 
 
 def default_rows(scene: str, method: str, found: Curve) -> Iterator[Row]:
@@ -270,6 +271,18 @@ def literal_rows(note: Callable[[str], None]) -> Iterator[Row]:
     for rival, rate in (("torch modules and automatic differentiation", steps / seconds["rival"]),
                         ("the thesis (another machine)", THESIS_ITERATIONS / run_time("obtain_mapping_s", "folding", "split"))):
         yield Row("training", "literal recipe, SPLIT, folding: iterations per second", steps / seconds["ours"], "1/s", rival, rate, "higher")
+
+
+def device_rows(note: Callable[[str], None]) -> Iterator[Row]:
+    """A whole training on a GPU, where there is one, and on a core of the processor, by the wall clock."""
+    if not torch.cuda.is_available():
+        note("no GPU on this machine")
+        return
+    for text, changes in (("default", {}), ("every sample", {"every": 1}), ("every sample, all 240 displacements", {"every": 1, "rank": 0})):
+        note(f"folding: split on a GPU, {text}")
+        chosen = method_from_settings("split", settings("split") | changes)
+        seconds = paired({device: lambda device=device, chosen=chosen: chosen.fit(replace(data("folding"), device=device)) for device in ("cuda", "cpu")}, repeats=3)
+        yield Row("training", f"SPLIT, folding, {text}: whole training on {torch.cuda.get_device_name()}", seconds["cuda"], "s", "one core", seconds["cpu"])
 
 
 def figures(rows: pd.DataFrame) -> dict[str, Figure]:
