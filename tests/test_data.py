@@ -59,7 +59,7 @@ def test_full_disk_leaves_the_finished_file(tmp_path, monkeypatch):
 
 
 def test_scores_survive(tmp_path):
-    dataset = scored(release(), {"nmte_percent": (1.5, "percent"), "count": (2.0, "1")})
+    dataset = scored(release(), {"nmte_percent": 1.5, "count": 2.0}, {"nmte_percent": "percent", "count": "1"})
     save_dataset(dataset, tmp_path / "a.nc")
     again = open_dataset(tmp_path / "a.nc", "release")
     assert again["score"].values.tolist() == ["nmte_percent", "count"]

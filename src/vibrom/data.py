@@ -15,6 +15,7 @@ import xarray as xr
 
 CONVENTIONS = "CF-1.11"
 UNSEEDED = -1
+FINISHED = ("ok", "left_range")  # outcomes of runs that went all the way
 
 # kind -> variables that a file of that kind always has.
 KINDS: dict[str, frozenset[str]] = {
@@ -100,14 +101,13 @@ def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
     return dataset
 
 
-def scored(dataset: xr.Dataset, scores: dict[str, tuple[float, str]]) -> xr.Dataset:
-    """`dataset` with its scores: name -> (value, unit)."""
-    names = list(scores)
+def scored(dataset: xr.Dataset, values: dict[str, float], units: dict[str, str]) -> xr.Dataset:
+    """`dataset` with its scores, each in its unit; one without a value is NaN."""
     return dataset.assign(
-        score_value=variable("score", np.array([scores[name][0] for name in names], float), "1", "score, in the unit of score_unit"),
+        score_value=variable("score", np.array([values.get(name, np.nan) for name in units], float), "1", "score, in the unit of score_unit"),
     ).assign_coords(
-        score=variable("score", np.array(names, dtype=object), "1", "name of the score"),
-        score_unit=variable("score", np.array([scores[name][1] for name in names], dtype=object), "1", "unit of the score"),
+        score=variable("score", np.array(list(units), dtype=object), "1", "name of the score"),
+        score_unit=variable("score", np.array(list(units.values()), dtype=object), "1", "unit of the score"),
     )
 
 

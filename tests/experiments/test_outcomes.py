@@ -5,8 +5,9 @@ import pytest
 import xarray as xr
 from oscillators import OMEGA, linear_rom
 
+from vibrom import experiments
 from vibrom.data import label, open_dataset, outcome_variables, save_dataset, variable
-from vibrom.experiments import frc
+from vibrom.experiments import frc, run_times
 from vibrom.rollout import Integrator
 from vibrom.steps import experiment, fit
 
@@ -92,3 +93,29 @@ def test_times_are_the_least_of_a_few_calls():
             return xr.Dataset(outcome_variables("ok", seconds=next(Module.times)))
 
     assert float(experiment.quickest(Module, {}, None)["seconds"]) == 0.1
+
+
+def test_a_model_that_could_not_be_fitted_is_asked_everything(tmp_path):
+    """Every experiment says why there is no answer, also those that only read other answers, and has no value in any of its scores."""
+    unfit = label(xr.Dataset({"outcome": variable((), "training_diverged", "1", "fit")}), "rom", scene="s", method="m")
+    paths = {"structure": structure(), "rom": unfit, "train": motion("ok"), "test": motion("ok"), "forced": label(motion("ok"), "forced", scene="s", method="full_order"), "frc": curve(np.ones(3))}
+    paths = {name: saved(dataset, tmp_path / f"{name}.nc") for name, dataset in paths.items()}
+    for name in ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times"):
+        needs, units = experiments.load(name).needs, experiments.load(name).scores
+        answers = {need: str(tmp_path / "model" / f"{need}.nc") if need in ("decay", "forced", "frc") and name == "run_times" or need == "decay" else paths[need]
+                   for need in needs}
+        output = tmp_path / "model" / f"{name}.nc"
+        experiment.run(output=str(output), experiment=name, scene_name="s", method="m", seed=None, integrator=SETTINGS, provenance={}, **answers)
+        answer = open_dataset(output, name)
+        assert answer["outcome"].item() == "training_diverged", name
+        assert dict(zip(answer["score"].values, answer["score_unit"].values)) == units and np.isnan(answer["score_value"]).all(), name
+
+
+def test_a_run_that_blew_up_has_no_time():
+    ended = {name: xr.Dataset(outcome_variables(outcome, seconds=0.5)) for name, outcome in (("train", "ok"), ("decay", "left_range"), ("forced", "diverged"))}
+    curve = xr.Dataset(outcome_variables("ok", seconds=2.0)).assign(outcome=variable("angular_frequency", np.array(["ok", "step_underflow"], dtype=object), "1", "outcome"))
+    fitted = xr.Dataset({"outcome": variable((), "ok", "1", "fit"), "mapping_seconds": variable((), 3.0, "s", "fit"), "dynamics_seconds": variable((), 0.1, "s", "fit")})
+    answer = run_times.predict({**ended, "frc": curve, "rom": fitted}, Integrator())
+    times = dict(zip(answer["score"].values, answer["score_value"].values))
+    assert (times["generate_training_data_s"], times["obtain_mapping_s"], times["decay_s"]) == (0.5, 3.0, 0.5)
+    assert np.isnan([times["forced_s"], times["frc_s"]]).all() and answer["outcome"].item() == "diverged"

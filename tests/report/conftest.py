@@ -11,7 +11,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from vibrom.data import label, outcome_variables, save_dataset, scored, variable
+from vibrom import experiments
+from vibrom.data import label, outcome_variables, save_dataset, variable
+from vibrom.data import scored as scored_in
 from vibrom.steps.experiment import nothing
 
 PROVENANCE = {"source_digest": "0123456789abcdef", "versions": json.dumps({"numpy": "2.0"})}
@@ -20,6 +22,11 @@ OMEGA, PERIOD = 400.0, 2 * np.pi / 400.0
 FORCING = {"small": 1.0, "large": 600.0, "folding": 6000.0}
 SIZE = {"small": 0.05, "large": 0.14, "folding": 0.36}
 RUN_TIMES = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s", "decay_s", "forced_s", "frc_s")
+
+
+def scored(dataset, scores):
+    """`dataset` with scores given as name -> (value, unit)."""
+    return scored_in(dataset, {name: value for name, (value, _) in scores.items()}, {name: unit for name, (_, unit) in scores.items()})
 
 
 class Tree:
@@ -211,8 +218,9 @@ class Tree:
         fitted = xr.Dataset({"outcome": variable((), "training_diverged", "1", "how the fit ended")})
         self.save(fitted, "rom", scene, method, "rom", seed, reason=reason)
         for experiment in ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times"):
-            self.save(nothing(experiment, "training_diverged"), experiment, scene, method, experiment, seed)
-            self.score(scene, method, seed, experiment, {"nmte_percent": (np.nan, "percent")}, "training_diverged")
+            units = experiments.load(experiment).scores
+            self.save(nothing(units, "training_diverged"), experiment, scene, method, experiment, seed)
+            self.score(scene, method, seed, experiment, {name: (np.nan, unit) for name, unit in units.items()}, "training_diverged")
 
     def model(self, scene, method, seed):
         if (scene, method, seed) in self.unfit:

@@ -56,6 +56,8 @@ def test_failures_are_shown_not_dropped(frames):
     for name in ("reconstruction", "decay", "forced", "eigenvalues", "run_times"):
         unfit = row(frames[name], "large", "split_plus")
         assert unfit["outcome"] == "ok 1, training_diverged 1", name
+        numbers = [column for column in unfit.index if f"{column}_min" in unfit.index]
+        assert numbers and all(np.isnan(unfit[column]) for column in numbers), name  # as many seeds failed as did not
     assert np.isnan(row(frames["decay"], "large", "split_plus")["nmte_percent"])
     assert row(frames["decay"], "large", "split_plus")["nmte_percent_min"] == 2.0
 

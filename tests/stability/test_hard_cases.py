@@ -8,13 +8,14 @@ import pytest
 from scenes import CANTILEVER, THESIS
 
 from vibrom import effects, space
+from vibrom.data import FINISHED
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.methods.ssmlearn import SsmLearn
 from vibrom.modes import eigenmodes
 from vibrom.rollout import Integrator
 from vibrom.rom import Guards, Structure, Training, Trajectory
 from vibrom.solvers.newmark import Newmark, Record
-from vibrom.stability.grid import FINISHED, cases, let_go, rises, survive
+from vibrom.stability.grid import cases, let_go, rises, survive
 
 FORCING, RELEASE, STEPS = 6000.0, (3000.0, 13376), 1000  # as in config/scenes/folding.yaml
 HARD = cases([1.0, 1.5, 2.0], np.linspace(0.8, 1.2, 9), 8, 1.3)

@@ -13,6 +13,7 @@ from vibrom.rollout import Integrator
 
 needs = ("decay", "test")
 full_order = ("test",)
+scores = {"frequency_error_percent": "percent"}
 MEAN_OF = 4
 
 
@@ -57,9 +58,9 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
         **outcome_variables(str(source["outcome"].item()), float(source["failed_at"])),
     }, coords={"probe": source["probe"].variable})
     if source is truth:
-        return scored(dataset, {})
+        return scored(dataset, {}, {})
     true = peak_finding_and_fitting(truth["time"].values, truth["probe_displacement"].values[0])
-    return scored(dataset, {"frequency_error_percent": (frequency_error(curves[0], true), "percent")})
+    return scored(dataset, {"frequency_error_percent": frequency_error(curves[0], true)}, scores)
 
 
 def frequency_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) -> float:

@@ -15,6 +15,7 @@ from vibrom.rollout import Integrator, decode_displacement, rollout
 
 needs = ("structure", "rom", "test")
 full_order = None
+scores = {"nmte_percent": "percent"}
 
 
 def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
@@ -34,4 +35,4 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
         "range_ratio": variable((), run.range_ratio[0], "1", "largest reduced coordinate over the largest in the training data"),
         **outcome_variables(run.outcome[0], run.failed_at[0], seconds),
     }, coords={"time": variable("time", truth.time, "s", "time since release"), "probe": probes["probe"].variable})
-    return scored(dataset, {"nmte_percent": (nmte_percent(error, truth.displacement), "percent")})
+    return scored(dataset, {"nmte_percent": nmte_percent(error, truth.displacement)}, scores)

@@ -13,6 +13,7 @@ from vibrom.rollout import Integrator
 
 needs = ("structure", "rom")
 full_order = ("structure",)
+scores = {"real_per_s": "1/s", "imaginary_rad_per_s": "rad/s"}
 STEP = 1e-5  # of the training range: central differences of a cubic drift are then exact to about 1e-10
 
 
@@ -37,4 +38,4 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
     })
     upper = values[values.imag >= 0]
     first = upper[np.abs(upper).argmin()]
-    return scored(dataset, {"real_per_s": (float(first.real), "1/s"), "imaginary_rad_per_s": (float(first.imag), "rad/s")})
+    return scored(dataset, {"real_per_s": float(first.real), "imaginary_rad_per_s": float(first.imag)}, scores)

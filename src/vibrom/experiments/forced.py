@@ -14,6 +14,7 @@ from vibrom.rollout import Drive, Integrator, decode_displacement, rollout
 
 needs = ("structure", "rom", "forced")
 full_order = None
+scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
 THIN = 2  # the whole trajectory is kept at every second sample of the full-order one
 
 
@@ -43,6 +44,6 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
     }, coords={"time": variable("time", truth["time"].values[::THIN], "s", "time since the forcing began"),
                "last_time": truth["last_time"].variable, "probe": structure["probe"].variable})
     return scored(dataset, {
-        "nmte_percent": (nmte_percent(error, true), "percent"),
-        "amplitude_error_percent": (float(100 * (watched.max() / watched_true.max() - 1)), "percent"),
-    })
+        "nmte_percent": nmte_percent(error, true),
+        "amplitude_error_percent": float(100 * (watched.max() / watched_true.max() - 1)),
+    }, scores)

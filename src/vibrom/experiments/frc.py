@@ -14,6 +14,7 @@ from vibrom.rollout import Drive, Integrator, decode_displacement, rollout
 
 needs = ("structure", "rom", "frc")
 full_order = None
+scores = {"completed": "1", "amplitude_error_median_percent": "percent", "peak_error_percent": "percent"}
 SAMPLES = 500  # of the last period: a maximum between two samples is missed by at most (pi/500)^2/2 = 2e-5 of it
 
 
@@ -45,7 +46,7 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
     known = np.isfinite(reference)
     relative = 100 * np.abs(amplitude[0, known] / reference[known] - 1)
     return scored(dataset, {
-        "completed": (float(np.isfinite(amplitude[0]).sum()), "1"),
-        "amplitude_error_median_percent": (float(np.median(relative)) if known.any() else float("nan"), "percent"),
-        "peak_error_percent": (float(100 * (amplitude[0].max() / reference.max() - 1)), "percent"),
-    })
+        "completed": float(np.isfinite(amplitude[0]).sum()),
+        "amplitude_error_median_percent": float(np.median(relative)) if known.any() else float("nan"),
+        "peak_error_percent": float(100 * (amplitude[0].max() / reference.max() - 1)),
+    }, scores)

@@ -15,6 +15,7 @@ from vibrom.rollout import Integrator, decode_displacement
 
 needs = ("structure", "rom", "test")
 full_order = None
+scores = {"nmte_percent": "percent"}
 
 
 def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
@@ -27,4 +28,4 @@ def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
         "encoded": variable(("time", "coordinate"), encoded, "1", "reduced coordinates of the true trajectory"),
         **outcome_variables("ok", seconds=time.perf_counter() - began),
     }, coords={"time": variable("time", truth.time, "s", "time since release")})
-    return scored(dataset, {"nmte_percent": (nmte_percent(error, truth.displacement), "percent")})
+    return scored(dataset, {"nmte_percent": nmte_percent(error, truth.displacement)}, scores)

@@ -10,9 +10,10 @@ import pandas as pd
 import xarray as xr
 from scipy.stats import binomtest
 
+from vibrom.data import FINISHED
 from vibrom.report.collection import FULL_ORDER, Collection
 from vibrom.report.scores import spread, tally
-from vibrom.stability.grid import FINISHED, rises
+from vibrom.stability.grid import rises
 
 NOT_RUN = "not run"
 OUTCOMES = ("ok", "left_range", "diverged", "step_underflow", "no_convergence")

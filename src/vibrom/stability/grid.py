@@ -14,7 +14,6 @@ from vibrom.rollout import Drive, Integrator, rollout
 from vibrom.rom import Rom
 
 KINDS = ("forced from rest", "released", "forced from a release")
-FINISHED = ("ok", "left_range")
 SAMPLES, THIN = 32, 4  # samples of a period, and each how many of them is decoded for its energy
 
 

@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom import experiments
-from vibrom.data import UNSEEDED, label, open_dataset, save_dataset, variable
+from vibrom.data import FINISHED, UNSEEDED, label, open_dataset, save_dataset, variable
 from vibrom.hardware import description
 from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
@@ -192,7 +192,7 @@ class Study:
             answer, seconds, calls = repeated(call, self.repeats, self.patience)
             scores = dict(zip(answer["score"].values.tolist(), answer["score_value"].values.tolist()))
             endings = [str(word) for word in np.atleast_1d(answer["outcome"].values)]
-            worst = next((word for word in endings if word not in ("ok", "left_range")), "left_range" if "left_range" in endings else "ok")
+            worst = next((word for word in endings if word not in FINISHED), "left_range" if "left_range" in endings else "ok")
             row.answers[question] = (scores[error], seconds, calls, worst)
         return row
 

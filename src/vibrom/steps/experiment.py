@@ -12,17 +12,19 @@ from vibrom.rom import rom_from_dataset
 
 KINDS = {"train": "trajectory", "test": "trajectory"}
 REFERENCE_FAILED = "reference_failed"  # the full-order run to compare with stopped before its end
+NOTHING = "nothing"  # the dimension, of length zero, of what was not predicted
 CALLS, ENOUGH = 3, 2.0  # a computation is timed up to three times, or until it took two seconds
 
 
 def run(*, output: str, experiment: str, scene_name: str, method: str, seed: int | None, integrator: dict, provenance: dict, **artefacts: str) -> None:
     module, settings = experiments.load(experiment), Integrator(**integrator)
     loaded = {name: open_dataset(path, KINDS.get(name, name)) for name, path in artefacts.items()}
-    unfit = str(loaded["rom"]["outcome"].item()) if "rom" in loaded else "ok"
+    # A model that could not be fitted, or an answer of it that this experiment asks for.
+    unfit = next((str(given["outcome"].item()) for name, given in loaded.items() if name == "rom" or NOTHING in given.dims), "ok")
     if any(str(loaded[name]["outcome"].item()) == "no_convergence" for name in ("test", "forced") if name in loaded):
         unfit = REFERENCE_FAILED
     if unfit != "ok":
-        prediction = nothing(experiment, unfit)
+        prediction = nothing(module.scores, unfit)
     else:
         if "rom" in loaded and experiment != "run_times":
             loaded["rom"] = rom_from_dataset(loaded["rom"])
@@ -55,8 +57,8 @@ def shortened(loaded: dict) -> dict:
     return short
 
 
-def nothing(experiment: str, outcome: str) -> xr.Dataset:
+def nothing(scores: dict[str, str], outcome: str) -> xr.Dataset:
     """The dataset of an experiment that could not be asked: NaN in every place, and the outcome of the fit."""
-    empty = {name: variable("nothing", np.zeros(0), "1", "nothing was predicted") for name in
+    empty = {name: variable(NOTHING, np.zeros(0), "1", "nothing was predicted") for name in
              ("error", "reduced", "probe_displacement", "amplitude", "phase", "angular_frequency", "real", "imaginary")}
-    return scored(xr.Dataset({**empty, **outcome_variables(outcome)}), {"nmte_percent": (float("nan"), "percent")})
+    return scored(xr.Dataset({**empty, **outcome_variables(outcome)}), {}, scores)

@@ -3,9 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from vibrom.data import FINISHED
 from vibrom.report import thesis
 from vibrom.report.figures import panels, style
-from vibrom.stability.grid import FINISHED, KINDS
+from vibrom.stability.grid import KINDS
 
 
 def asked(collection, scene: str) -> dict[str, list]:
