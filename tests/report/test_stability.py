@@ -7,6 +7,7 @@ import xarray as xr
 
 from vibrom.data import label, save_dataset, variable
 from vibrom.report import names, stability, tables
+from vibrom.report.collection import Collection
 from vibrom.report.figures import draw
 from vibrom.report.scores import COLUMNS, Scores
 from vibrom.stability import grid
@@ -71,7 +72,7 @@ def test_outcomes_are_counted_with_wilson_intervals(collection):
     frame = stability.outcomes(collection)
     assert list(zip(frame["guard"], frame["integrator"])) == [("none", "tight"), ("none", "loose"), ("bounded", "tight")]  # one pair was not asked
     plain = only(frame, "none", "tight")
-    assert (plain["runs"], plain["diverged"], plain["left_range"], plain["ok"], plain["other"]) == (30, 4, 3, 23, 0)
+    assert (plain["runs"], plain["diverged"], plain["left_range"], plain["ok"], plain["not_asked"]) == (30, 4, 3, 23, 0)
     assert plain["median_failure_periods"] == pytest.approx(1.5)  # of 1, 2, 3 and 1
     # 26 of 30 by Wilson's formula, z = 1.959964: centre (p + z^2/2n)/(1 + z^2/n), half width z sqrt(p(1-p)/n + z^2/4n^2)/(1 + z^2/n).
     p, n, z2 = 26 / 30, 30, 1.959964**2
@@ -115,3 +116,21 @@ def test_all_are_written_and_drawn_and_a_run_without_them_is_no_error(collection
     assert "none: 4 of 18 failed" in " ".join(axes.get_title(loc="left") for axes in draw("stability_map_folding", collection, nobody).axes)
     empty = opened([])
     assert all(tables.build(name, empty, nobody).empty for name in names.tables("stability"))
+
+
+def test_a_guard_that_does_not_suit_a_model_is_no_failure_of_it(collection):
+    """Nothing was asked, so nothing held and nothing was lost."""
+    def skipped(answer):
+        answer["outcome"].values[1, 0] = answer["frc_outcome"].values[1, 0] = "skipped"
+        answer["energy"].values[1], answer["envelope"].values[1] = np.nan, np.nan
+        return answer
+
+    whole = {key: load for key, load in collection.loaders.items() if key[1] == "full_order" or key[2] == "seed_2"}
+    alone = Collection({key: (lambda load=load: skipped(load().load())) if key[1] == "split" else load for key, load in whole.items()})
+    row = only(stability.outcomes(alone), "bounded", "tight")
+    assert (row["runs"], row["not_asked"], row["outcome"]) == (0, 10, "skipped")
+    assert np.isnan([row["held_percent"], row["held_low_percent"], row["held_high_percent"]]).all()
+    row = only(stability.guards(alone), "bounded", "tight")
+    assert row["decays"] == 0 and np.isnan(row["energy_rises"]) and row["outcome"] == "skipped"
+    words = {text.get_text() for axes in draw("stability_map_folding", alone, Scores(pd.DataFrame(columns=list(COLUMNS)))).axes for text in axes.texts}
+    assert words == {"skipped"}

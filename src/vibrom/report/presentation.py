@@ -32,7 +32,7 @@ WORDS = {
     "decays": "Decays", "forced_runs": "Forced runs", "sweeps": "Response curves",
     **{f"thesis_{name}": f"Thesis: {said}" for name, said in (("offline_s", "offline [s]"), ("decays", "decays"), ("forced_runs", "forced runs"), ("sweeps", "response curves"))},
     "guard": "Guard", "integrator": "Integrator", "runs": "Runs", "ok": "ok", "left_range": "Left range", "diverged": "Diverged", "step_underflow": "Step underflow",
-    "no_convergence": "No convergence", "other": "Other", "held_percent": "Held [%]", "held_low_percent": "95 % from", "held_high_percent": "to",
+    "no_convergence": "No convergence", "not_asked": "Not asked", "held_percent": "Held [%]", "held_low_percent": "95 % from", "held_high_percent": "to",
     "median_failure_periods": "Median failure [periods]", "largest_range_ratio": "Farthest, of the range", "peak_error_percent": "Peak error [%]",
     "peak_steps": "Peak off by [frequencies]", "decay_nmte_percent": "Decay NMTE [%]", "forced_nmte_percent": "Forced NMTE [%]",
     "energy_rises": "Energy rose in", "envelope_rises": "Amplitude rose in", "gamma": "γ", "forcing": "Forcing, of the scene's",

@@ -26,18 +26,31 @@ def outcomes(collection: Collection) -> pd.DataFrame:
         ended = np.concatenate([answer["outcome"].values for answer in answers])
         failed_at = np.concatenate([answer["failed_at"].values for answer in answers])
         held = np.isin(ended, FINISHED)
-        share = binomtest(int(held.sum()), len(held))
-        interval = share.proportion_ci(method="wilson")
         counts = {word: int((ended == word).sum()) for word in OUTCOMES}
+        runs = sum(counts.values())
+        share, low, high = held_share(int(held.sum()), runs)
         rows.append({
-            "case": scene, "method": method, "guard": guard, "integrator": integrator, "runs": len(ended), **counts,
-            "other": len(ended) - sum(counts.values()), "held_percent": 100 * share.statistic, "held_low_percent": 100 * interval.low,
-            "held_high_percent": 100 * interval.high, "median_failure_periods": median(failed_at[~held]),
+            "case": scene, "method": method, "guard": guard, "integrator": integrator, "runs": runs, **counts,
+            "not_asked": len(ended) - runs, "held_percent": share, "held_low_percent": low, "held_high_percent": high, "median_failure_periods": median(failed_at[~held]),
             "largest_range_ratio": np.nanmax(np.append(ranges(answers)[held], np.nan), initial=0.0) if held.any() else np.nan,
             "outcome": tally(ended),
         })
-    return pd.DataFrame(rows, columns=["case", "method", "guard", "integrator", "runs", *OUTCOMES, "other", "held_percent", "held_low_percent",
+    return pd.DataFrame(rows, columns=["case", "method", "guard", "integrator", "runs", *OUTCOMES, "not_asked", "held_percent", "held_low_percent",
                                        "held_high_percent", "median_failure_periods", "largest_range_ratio", "outcome"])
+
+
+def held_share(held: int, runs: int) -> tuple[float, float, float]:
+    """Percentage, and the ends of its interval; a model that could not be fitted or guarded was asked nothing and has none."""
+    if runs == 0:
+        return np.nan, np.nan, np.nan
+    share = binomtest(held, runs)
+    interval = share.proportion_ci(method="wilson")
+    return 100 * share.statistic, 100 * interval.low, 100 * interval.high
+
+
+def was_asked(answer: xr.Dataset) -> bool:
+    """Whether there was a model, with this guard, to ask."""
+    return bool(np.isin(answer["outcome"].values, OUTCOMES).any())
 
 
 def ranges(answers: list[xr.Dataset]) -> np.ndarray:
@@ -59,10 +72,10 @@ def guards(collection: Collection) -> pd.DataFrame:
                                     ("real_per_s", [float(answer["real_part"]) for answer in answers], False)):
             found = spread(np.array(values), worst=worst)
             row |= {name: found.median, f"{name}_min": found.minimum, f"{name}_max": found.maximum}
-        first = integrator == answers[0].attrs["first"]
-        row["decays"] = sum(answer.sizes["release"] for answer in answers) if first else 0
+        let_go = [answer for answer in answers if integrator == answer.attrs["first"] and was_asked(answer)]
+        row["decays"] = sum(answer.sizes["release"] for answer in let_go)
         for name in ("energy", "envelope"):
-            row[f"{name}_rises"] = int(sum(rises(answer[name].values).sum() for answer in answers)) if first else np.nan
+            row[f"{name}_rises"] = int(sum(rises(answer[name].values).sum() for answer in let_go)) if let_go else np.nan
         rows.append(row | {"outcome": tally(np.concatenate([answer["frc_outcome"].values for answer in answers]))})
     return pd.DataFrame(rows) if rows else pd.DataFrame(columns=["case", "method", "guard", "integrator", "points", "points_with_value", "outcome"])
 

@@ -42,17 +42,18 @@ def run(*, structure: str, train: str, test: str, forced_run: str, curve: str, r
                 reason = "ok"
             except MethodError as error:
                 reason, results.reasons[guard] = "skipped", str(error)
-        if reason != "ok":
-            results.outcome[place] = results.frc_outcome[place] = reason
-            continue
         for at, (name, integrator) in enumerate(integrators.items()):
+            here = place, at
             if guard != next(iter(stability["guards"])) and name != first:
                 continue
-            here = place, at
+            if reason != "ok":
+                results.outcome[here] = results.frc_outcome[here] = reason
+                continue
             results.outcome[here], results.failed_at[here], results.range_ratio[here] = grid.survive(
                 guarded, chosen, load, forcing, model.frequency, stability["periods"], integrator)
             results.scene(here, guarded, asked, integrator)
-        results.energy[place], results.envelope[place] = grid.let_go(guarded, chosen, model.frequency, PERIODS, integrators[first],
+        if reason == "ok":
+            results.energy[place], results.envelope[place] = grid.let_go(guarded, chosen, model.frequency, PERIODS, integrators[first],
                                                                      lambda q, v: energy(model.term, q, v))
     save_dataset(label(results.dataset(), "stability", scene=scene_name, method=method, seed=seed, periods=stability["periods"], reasons=json.dumps(results.reasons),
                        settings=json.dumps(stability, sort_keys=True)), output, provenance)

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from vibrom.data import FINISHED
 from vibrom.report import thesis
 from vibrom.report.figures import panels, style
+from vibrom.report.stability import was_asked
 from vibrom.stability.grid import KINDS
 
 
@@ -24,7 +25,12 @@ def failures(collection, scores, scene) -> Figure:
     for row, (method, seeds) in enumerate(answers.items()):
         for column, guard in enumerate(guards):
             panel = axes[row * len(guards) + column]
-            map_ = [answer.isel(integrator=0, run=answer["kind"].values == KINDS[0]).sel(guard=guard) for answer in seeds]
+            whole = [answer.isel(integrator=0, run=answer["kind"].values == KINDS[0]).sel(guard=guard) for answer in seeds]
+            map_ = [part for part in whole if was_asked(part)]
+            if not map_:
+                panel.set_title(f"{thesis.label(method)}, {guard}", fontsize=6)
+                panels.words(panel, str(whole[0]["outcome"].values[0]))
+                continue
             frequency, forcing = np.unique(map_[0]["frequency"].values), np.unique(map_[0]["forcing"].values)
             shape = (len(forcing), len(frequency))
             lost = np.mean([~np.isin(part["outcome"].values, FINISHED) for part in map_], axis=0).reshape(shape)
@@ -59,7 +65,7 @@ def energy(collection, scores, scene) -> Figure:
             lines = panel.semilogy(np.arange(1, values.shape[1] + 1), np.where(values > 0, values, np.nan).T, **style.look(place, marker="", linewidth=0.7))
             handles.setdefault(str(guard), lines[0])
             gone = int((~np.isfinite(values[:, -1])).sum())
-            if gone:
+            if gone and was_asked(answer.isel(integrator=0).sel(guard=guard)):
                 panels.words(panel, f"{guard}: {gone} of {len(values)} decays failed", place="above" if place == 0 else "below")
         panel.set(title=panels.title(method, seed), xlabel="time after release [periods]", ylabel="energy [J]")
     if handles:
