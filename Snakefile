@@ -1,7 +1,7 @@
 # From scenes, methods, seeds and experiments to tables, figures, one report and MLflow.
 #
 #   snakemake --cores 2                 everything
-#   snakemake --cores 2 tables figures  only these
+#   snakemake --cores 2 tables          only these (or: figures)
 #   snakemake --cores 2 cost            what accuracy costs in time
 #   snakemake --cores 2 effects         what each effect of a scene is worth; no model is trained
 #   snakemake --cores 2 stability       only the grid of hard cases
@@ -79,8 +79,8 @@ rule all:
     localrule: True
     input:
         rules.scores.output,
-        rules.tables.output,
-        rules.figures.output,
+        rules.tables.input,
+        rules.figures.input,
         rules.report.output,
         rules.tracking.output,
         rules.headline.output,

@@ -103,7 +103,13 @@ def modules_behind(*entries: str) -> frozenset[str]:
 def data_digest(package: str) -> str:
     """sha256 of what lies below a package beside its code: published numbers, templates, style sheets."""
     folder = plugs.PACKAGE.joinpath(*package.split(".")[1:])
-    found = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc", ".nbi", ".nbc"))
+
+    def belongs(path: Path) -> bool:
+        """Not what editors, numba or Python leave beside the sources."""
+        passing = any(part.startswith(".") or part == "__pycache__" for part in path.relative_to(folder).parts) or path.name.endswith("~")
+        return path.suffix != ".py" and not passing and path.is_file()
+
+    found = sorted(path for path in folder.rglob("*") if belongs(path))
     return hashlib.sha256(b"".join(path.read_bytes() for path in found)).hexdigest()
 
 

@@ -11,7 +11,7 @@ from vibrom.report.figures import draw
 from vibrom.report.scores import Scores
 from vibrom.steps import figures as step
 
-FIGURES = names.figures(["small", "large"], "models", "effects")
+FIGURES = names.figures(["small", "large"], "models", "cost", "effects")
 UNITS = re.compile(r"\[[^\]]+\]")
 
 
@@ -129,7 +129,7 @@ def test_all_formats_and_the_same_bytes_twice(tree, tmp_path):
     assert all(content.startswith(b"\x89PNG") for content in written[0][2::3])
 
 
-@pytest.mark.parametrize("name", names.figures(["small"], "models", "effects"))
+@pytest.mark.parametrize("name", names.figures(["small"], "models", "cost", "effects"))
 def test_a_run_with_nothing_but_its_structure_still_has_every_figure(collection, scores, name):
     kept = {key: loader for key, loader in collection.loaders.items() if key[3] in ("structure", "rom")}
     figure = draw(name, Collection(kept), Scores(scores.frame.iloc[:0]))

@@ -43,8 +43,8 @@ class Reader(HTMLParser):
 @pytest.fixture(scope="module")
 def made(tree, tmp_path_factory):
     folder = tmp_path_factory.mktemp("out")
-    numbers = [str(folder / "tables" / f"{name}.{form}") for name in names.tables("models", "effects") for form in names.TABLE_FORMATS]
-    pictures = [str(folder / "figures" / f"{name}.svg") for name in names.figures(SCENES, "models", "effects")]
+    numbers = [str(folder / "tables" / f"{name}.{form}") for name in names.tables("models", "cost", "effects") for form in names.TABLE_FORMATS]
+    pictures = [str(folder / "figures" / f"{name}.svg") for name in names.figures(SCENES, "models", "cost", "effects")]
     common = {"scores": tree.scores, "provenance": {"source_digest": "feedbeef", "versions": '{"matplotlib": "3"}'}}
     tables.run(artefacts=tree.artefacts, tables=numbers, **common)
     figures.run(artefacts=tree.artefacts, figures=pictures[:2], **common)
@@ -74,8 +74,8 @@ def test_the_page_needs_nothing_else(page):
 def test_the_page_has_every_table_and_figure_once(page):
     ids = Reader(page).ids
     assert len(ids) == len(set(ids))
-    assert {f"table-{name}" for name in names.tables("models", "effects")} | {f"figure-{name}" for name in names.figures(SCENES, "models", "effects")} <= set(ids)
-    assert len(Reader(page).images) == len(names.figures(SCENES, "models", "effects"))
+    assert {f"table-{name}" for name in names.tables("models", "cost", "effects")} | {f"figure-{name}" for name in names.figures(SCENES, "models", "effects")} <= set(ids)
+    assert len(Reader(page).images) == len(names.figures(SCENES, "models", "cost", "effects"))
 
 
 def test_the_page_shows_the_hard_cases_and_what_made_it(page):

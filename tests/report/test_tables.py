@@ -11,7 +11,7 @@ from vibrom.steps import tables as step
 
 @pytest.fixture(scope="module")
 def frames(collection, scores):
-    return {name: tables.build(name, collection, scores) for name in names.tables("models", "effects")}
+    return {name: tables.build(name, collection, scores) for name in names.tables("models", "cost", "effects")}
 
 
 def row(frame, case, method):
@@ -159,10 +159,10 @@ def test_a_variant_is_called_after_its_method():
 def test_files_in_all_formats_and_the_same_bytes_twice(tree, tmp_path):
     written = []
     for folder in ("first", "second"):
-        paths = [str(tmp_path / folder / f"{name}.{form}") for name in names.tables("models", "effects") for form in names.TABLE_FORMATS]
+        paths = [str(tmp_path / folder / f"{name}.{form}") for name in names.tables("models", "cost", "effects") for form in names.TABLE_FORMATS]
         step.run(scores=tree.scores, artefacts=tree.artefacts, tables=paths, provenance={"source_digest": "feed"})
         written.append({path.split("/")[-1]: open(path, "rb").read() for path in paths})
-    assert written[0] == written[1] and len(written[0]) == 3 * len(names.tables("models", "effects"))
+    assert written[0] == written[1] and len(written[0]) == 3 * len(names.tables("models", "cost", "effects"))
     assert b"\\toprule" in written[0]["forced.tex"] and b"diverged" in written[0]["forced.tex"]
     html = written[0]["forced.html"].decode()
     assert "<table" in html and "ok 2, diverged 1" in html and 'class="failed"' in html and "http" not in html

@@ -112,6 +112,14 @@ def test_published_numbers_remake_tables_and_no_model(package):
     assert changed(before) == {"scores", "tables"}
 
 
+def test_what_editors_and_compilers_leave_changes_nothing(package):
+    before = digests()
+    (package / "latent/__pycache__").mkdir(exist_ok=True)
+    for name in ("methods/.split.py.swp", "methods/split.py~", "latent/__pycache__/kernel.nbc.tmp.1f2e", "solvers/.DS_Store"):
+        (package / name).write_bytes(b"passing")
+    assert changed(before) == set()
+
+
 def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monkeypatch):
     """Three processes: one that parses, one that finds what the first read, one after an edit that keeps the file's length."""
     code = "from vibrom import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"

@@ -14,7 +14,8 @@ SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
 HARD = {"model_stability", "stability_tables", "stability_figures"}
-SINKS = {"scores", "tables", "figures", "report", "tracking", "headline", "all"}
+COST = {"cost_reduced", "cost_tables", "cost_figures"}
+SINKS = {"scores", "models_tables", "models_figures", "report", "tracking", "headline", "all"}
 
 
 class Run:
@@ -131,7 +132,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     path.write_text(before)
     # Its variant is fitted by the same code.
     fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys((*EXPERIMENTS, "model_stability"), 2)
-    assert jobs == {**fits, **asked, "cost_reduced": 1, **dict.fromkeys(SINKS | HARD - {"model_stability"}, 1)}
+    assert jobs == {**fits, **asked, **dict.fromkeys(SINKS | COST | HARD - {"model_stability"}, 1)}
     assert run.planned() == {}
 
 
@@ -141,7 +142,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, "cost_reduced", *HARD, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *HARD, *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):
@@ -157,6 +158,7 @@ def test_a_part_of_the_scene_runs_only_what_reads_it(run):
 
 
 def test_the_study_of_costs_is_a_target_of_its_own(run):
+    """It needs the fitted models, and none of the answers that they give to others."""
     answer = run.snakemake("--cores", "1", "cost")
     assert answer.returncode == 0 and "Nothing to be done" in answer.stdout + answer.stderr
     path = run.folder / "config/config.yaml"
@@ -164,7 +166,16 @@ def test_the_study_of_costs_is_a_target_of_its_own(run):
     path.write_text(before.replace("patience: 1.0", "patience: 1.5"))
     jobs = run.planned("cost")
     path.write_text(before)
-    assert jobs == {"cost_full_order": 1, "cost_reduced": 1, "tables": 1, "figures": 1, "cost": 1}
+    assert jobs == {"cost_full_order": 1, "cost_reduced": 1, "cost_tables": 1, "cost_figures": 1, "cost": 1}
+
+
+def test_tables_and_figures_are_targets_of_all_families(run):
+    for target in ("tables", "figures"):
+        answer = run.snakemake("--cores", "1", target)
+        assert answer.returncode == 0 and "Nothing to be done" in answer.stdout + answer.stderr
+        jobs = run.planned("--forceall", target)
+        assert {f"{family}_{target}" for family in names.FAMILIES} <= set(jobs)
+    assert not set(EXPERIMENTS) & set(run.planned("--forceall", "cost"))
 
 
 def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):

@@ -1,5 +1,5 @@
 # What accuracy costs in time: settings of the full-order model and of the methods, one job a scene for each.
-# A target of its own (`snakemake cost`), and part of the run; what is studied is said by `cost` in the configuration.
+# What is studied is said by `cost` in the configuration.
 COST = SETTINGS.cost
 COST_SCENES = [scene for scene in COST["scenes"] if scene in SCENES]
 COST_ARTEFACTS = [f"<results>/{scene}/{settings.FULL_ORDER}/cost_{what}.nc" for scene in COST_SCENES for what in ("full_order", "reduced")]

@@ -1,15 +1,24 @@
-# Tables and figures of what is asked beside the reduced models, each family from its own artefacts and under its own name:
+# Tables and figures, each family from its own artefacts: what the models are asked, what accuracy costs, what effects are worth, hard cases.
 #
-#   snakemake --cores 2 effects
-#   snakemake --cores 2 stability
+#   snakemake --cores 2 tables          all of them (or: figures)
+#   snakemake --cores 2 cost            one family (or: effects, stability)
+OF_FULL_ORDER = [f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in COST_SCENES for name in FULL_ORDER_NAMES]
+FILES = {
+    "models": list(dict.fromkeys(ARTEFACTS + HARD_FILES)),  # what guards promise is among the checks
+    "cost": COST_ARTEFACTS + OF_FULL_ORDER,
+    "effects": EFFECTS_FILES,
+    "stability": HARD_FILES,
+}
 
-for FAMILY, FILES in {"effects": EFFECTS_FILES, "stability": HARD_FILES}.items():
+for FAMILY in FILES:
+    SCORES = {"scores": rules.scores.output.scores} if FAMILY == "models" else {}
 
     rule:
         name:
             f"{FAMILY}_tables"
         input:
-            artefacts=FILES,
+            **SCORES,
+            artefacts=FILES[FAMILY],
         output:
             tables=in_report(table_files(FAMILY)),
         log:
@@ -26,11 +35,14 @@ for FAMILY, FILES in {"effects": EFFECTS_FILES, "stability": HARD_FILES}.items()
         name:
             f"{FAMILY}_figures"
         input:
-            artefacts=FILES,
+            **SCORES,
+            artefacts=FILES[FAMILY],
         output:
             figures=in_report(figure_files(FAMILY)),
         log:
             f"<logs>/{FAMILY}_figures.log",
+        benchmark:
+            f"<benchmarks>/{FAMILY}_figures.tsv"
         params:
             step="figures",
             provenance=code("figures"),
@@ -39,12 +51,18 @@ for FAMILY, FILES in {"effects": EFFECTS_FILES, "stability": HARD_FILES}.items()
         script:
             "../scripts/step.py"
 
+
+for TARGET, PATHS in {
+    "tables": table_files(),
+    "figures": figure_files(),
+    **{FAMILY: table_files(FAMILY) + figure_files(FAMILY) for FAMILY in ("cost", "effects", "stability")},
+}.items():
+
     rule:
         name:
-            FAMILY
+            TARGET
         localrule: True
         input:
-            table_files(FAMILY),
-            figure_files(FAMILY),
+            PATHS,
         message:
-            f"tables and figures of {FAMILY}: everything is there"
+            f"{TARGET}: everything is there"

@@ -15,7 +15,7 @@ FITTED = [f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name 
 FULL_ORDER_FILES = [
     f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in SCENES for name in FULL_ORDER_NAMES
 ]
-ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS + COST_ARTEFACTS
+ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
 HARD = SETTINGS.stability["scenes"]
 HARD_FILES = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD] + [
@@ -23,19 +23,22 @@ HARD_FILES = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if
 ]
 
 # Which scenes each family of tables and figures is about; a family without scenes has none.
-ASKED = {"models": list(SCENES), "effects": list(SCENES), "stability": HARD}
+ASKED = {"models": list(SCENES), "cost": COST_SCENES, "effects": list(SCENES), "stability": HARD}
+
+
+def asked(families):
+    return [family for family in families or ASKED if ASKED[family]]
 
 
 def table_files(*families):
     """The tables of these families, in all their formats; of all, where none is named."""
-    chosen = [family for family in families or ASKED if ASKED[family]]
-    return [f"<results>/tables/{name}.{form}" for family in chosen for name in shown_names.tables(family) for form in shown_names.TABLE_FORMATS]
+    return [f"<results>/tables/{name}.{form}" for family in asked(families) for name in shown_names.tables(family) for form in shown_names.TABLE_FORMATS]
 
 
 def figure_files(*families):
     return [
         f"<results>/figures/{name}.{form}"
-        for family in families or ASKED
+        for family in asked(families)
         for name in shown_names.figures(ASKED[family], family)
         for form in shown_names.FIGURE_FORMATS
     ]
@@ -71,44 +74,10 @@ rule scores:
         "../scripts/step.py"
 
 
-rule tables:
-    input:
-        scores=rules.scores.output.scores,
-        artefacts=list(dict.fromkeys(ARTEFACTS + HARD_FILES)),
-    output:
-        tables=in_report(table_files("models")),
-    log:
-        "<logs>/tables.log",
-    params:
-        provenance=code("tables"),
-    message:
-        "tables"
-    script:
-        "../scripts/step.py"
-
-
-rule figures:
-    input:
-        scores=rules.scores.output.scores,
-        artefacts=ARTEFACTS,
-    output:
-        figures=in_report(figure_files("models")),
-    log:
-        "<logs>/figures.log",
-    benchmark:
-        "<benchmarks>/figures.tsv"
-    params:
-        provenance=code("figures"),
-    message:
-        "figures"
-    script:
-        "../scripts/step.py"
-
-
 rule report:
     input:
         scores=rules.scores.output.scores,
-        artefacts=ARTEFACTS + EFFECTS_FILES,
+        artefacts=ARTEFACTS + COST_ARTEFACTS + EFFECTS_FILES,
         tables=table_files(),
         figures=figure_files(),
         captions=[f"{CAPTIONS}/{name}" for name in shown_names.captions()],
@@ -162,12 +131,3 @@ rule headline:
         "headline numbers"
     script:
         "../scripts/step.py"
-
-
-rule cost:
-    localrule: True
-    input:
-        [f"<results>/tables/{name}.csv" for name in shown_names.tables("models") if name.startswith(("cost_", "cheapest", "break_even"))],
-        [f"<results>/figures/{name}.svg" for name in shown_names.figures(SCENES, "models") if name.startswith("cost_")],
-    message:
-        "what accuracy costs in time: tables cost_full_order, cost_reduced, cheapest and break_even, figures cost_*"

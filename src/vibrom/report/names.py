@@ -18,7 +18,7 @@ class Family:
 FAMILIES = {
     # the order of the figures is that of chapter 3 of the thesis
     "models": Family(
-        ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "cost_full_order", "cost_reduced", "cheapest", "break_even", "checks"),
+        ("beam", "eigenvalues", "reconstruction", "decay", "forced", "run_times", "frc", "break_even", "checks"),
         {
             "accuracy_cost": "run",
             "configurations": "run",
@@ -33,11 +33,9 @@ FAMILIES = {
             "blow_up": "run",
             "frc_amplitude": "run",
             "frc_phase": "run",
-            "cost_full_order": "run",
-            "cost_reduced": "run",
-            "cost_training": "run",
         },
     ),
+    "cost": Family(("cost_full_order", "cost_reduced", "cheapest"), {"cost_full_order": "run", "cost_reduced": "run", "cost_training": "run"}),
     "effects": Family(("effects",), {"effects": "scene"}),
     "stability": Family(("stability", "guards", "full_order_steps"), {"stability_map": "scene", "stability_energy": "scene"}),
 }
