@@ -199,7 +199,7 @@ def measure(note: Callable[[str], None]) -> Iterator[Row]:
             note(f"{path} is missing: run `make` first")
             return
     torch.set_num_threads(1)
-    warm_up()
+    warm_up(torch.device("cpu"))
     decay(method_from_settings("split", settings("split") | {"epochs": 2}).fit(data("small")), "small")  # compiles
     CURVES.clear()
     for scene in SCENES:

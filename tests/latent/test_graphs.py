@@ -30,7 +30,7 @@ def pretended(monkeypatch):
     """`captured` as on a GPU, with a graph that calls the step; gives the list of the steps captured."""
     steps = []
     stream = SimpleNamespace(wait_stream=lambda other: None)
-    for name, stand_in in (("Stream", lambda device: stream), ("current_stream", lambda device: stream), ("stream", nullcontext), ("graph", nullcontext)):
+    for name, stand_in in (("Stream", lambda: stream), ("current_stream", lambda: stream), ("stream", nullcontext), ("graph", nullcontext), ("device", nullcontext)):
         monkeypatch.setattr(torch.cuda, name, stand_in)
 
     def capture(step, changed, device):

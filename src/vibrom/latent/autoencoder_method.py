@@ -89,9 +89,9 @@ class AutoencoderMethod(Method):
 
     def fit(self, training: Training) -> AutoencoderRom:
         # torch takes seconds to import, and neither a plan of the workflow nor a fitted model needs it.
-        from vibrom.latent.training import train, warm_up
+        from vibrom.latent.training import pick_device, train, warm_up
 
-        warm_up()
+        warm_up(pick_device(training.device))
         with training.monitor.phase("mapping"):
             problem = self.problem(training)
             learnt = train(problem.autoencoder, problem.dynamics, self.plan(), problem.train, problem.test, seed=training.seed or 0,

@@ -18,15 +18,16 @@ def captured(step: Callable[[], None], changed: Sequence[torch.Tensor], device: 
     if device.type != "cuda":
         return step
     before = [tensor.clone() for tensor in changed]
-    aside = torch.cuda.Stream(device)
-    aside.wait_stream(torch.cuda.current_stream(device))
-    with torch.cuda.stream(aside):
-        for _ in range(REHEARSALS):
+    with torch.cuda.device(device):  # a graph is captured on the current one
+        aside = torch.cuda.Stream()
+        aside.wait_stream(torch.cuda.current_stream())
+        with torch.cuda.stream(aside):
+            for _ in range(REHEARSALS):
+                step()
+        torch.cuda.current_stream().wait_stream(aside)
+        graph = torch.cuda.CUDAGraph()
+        with torch.cuda.graph(graph):
             step()
-    torch.cuda.current_stream(device).wait_stream(aside)
-    graph = torch.cuda.CUDAGraph()
-    with torch.cuda.graph(graph):
-        step()
     for tensor, value in zip(changed, before):
         tensor.copy_(value)
     return graph.replay

@@ -69,10 +69,10 @@ def pick_device(name: str) -> torch.device:
     return torch.device(name)
 
 
-def warm_up() -> None:
+def warm_up(device: torch.device) -> None:
     """Five steps on next to nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
-    learner = Learner(Autoencoder((2, 2, 1), "silu"), None, torch.float32, torch.device("cpu"), torch.Generator())
-    nothing = torch.zeros(1, 1, 2)
+    learner = Learner(Autoencoder((2, 2, 1), "silu"), None, torch.float32, device, torch.Generator())
+    nothing = torch.zeros(1, 1, 2, device=device)
     schedule = Schedule(5, 0, False, 1e-3, "constant", "float32", "soap")
     for _ in epochs(learner, Soap(learner.vector, learner.shapes), schedule, nothing):
         pass
