@@ -36,7 +36,7 @@ def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:
 class Guards:
     """What keeps a fitted model from running away; see `latent.extrapolation` and `latent.dissipative`."""
 
-    extrapolation: str = "none"  # of the polynomials beyond the training range: none, or linear
+    extrapolation: str = "none"  # of polynomials, of dynamics and decoder, beyond the training range: none, or linear
     dissipative: int = 0  # order of dynamics fitted anew so that they cannot gain energy, which is linear extrapolation too; 0: as the method fits them
 
     def __post_init__(self) -> None:

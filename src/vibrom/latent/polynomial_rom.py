@@ -4,6 +4,8 @@
 
 W (d, n) projects displacement and velocity, D (2n, k) and R (2d, l) are the coefficients of the monomials Psi and Phi, and F (d, n) maps the load:
 phi' for modal coordinates. s scales the monomials to order one, which keeps high orders well conditioned.
+
+Guards continue Psi as well as Phi beyond `reach` (`extrapolation`): a motion that holds far out would otherwise be decoded by a polynomial of high degree there.
 """
 
 from __future__ import annotations
