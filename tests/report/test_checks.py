@@ -123,6 +123,8 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
     quantity = "forced, cells without value or outcome"
     assert met(run("split", outcome="diverged"), quantity, "split") == ["yes"]
     assert met(run("split"), quantity, "split") == ["no"]
+    for motion, kept in ((forced(), "yes"), (forced(np.nan), "no")):
+        assert met(run(forced=motion.assign_coords(probe=["probe", "middle", "end"])), quantity) == [kept]  # no probe called tip
     frame = tables.build("checks", collection, scores)  # 8 x 2 cells: not the thesis's beam
     assert len(frame) == 2 * 4 * 2 and set(frame["met"]) == {"yes"}
 
