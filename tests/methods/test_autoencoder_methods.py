@@ -104,6 +104,15 @@ def test_shapes_and_batches(fitted):
     assert z.shape == (3, 4, 2 * rom.latent) and rom.decode(z).shape == x.shape
 
 
+@pytest.mark.parametrize("settings", [{}, {"optimiser": "adam", "batch": 32}, {"latent": 2}])
+def test_split_of_order_one_has_the_known_linear_dynamics(settings):
+    d = settings.get("latent", 1)
+    rom = Split(**QUICK | settings, order=1).fit(training(d))
+    z = np.random.default_rng(0).standard_normal((5, 2 * d)) * np.repeat([1.0, FREQUENCIES[0]], d)
+    right = -FREQUENCIES[:d] ** 2 * z[:, :d] - DAMPING * z[:, d:]
+    np.testing.assert_allclose(rom.drift(z), np.hstack([z[:, d:], right]), rtol=1e-12, atol=1e-12 * np.abs(right).max())
+
+
 @pytest.mark.parametrize("rule", ["decoder", "decoder_mass", "encoder"])
 def test_force_map_is_linear_in_the_load(fitted, rule):
     rom, data = fitted
