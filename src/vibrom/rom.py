@@ -142,10 +142,10 @@ class Structure:
     modes: np.ndarray
     frequencies: np.ndarray
 
-    def leading(self, count: int) -> np.ndarray:
-        """The first `count` modes (count, n)."""
+    def leading(self, count: int, setting: str = "modes") -> np.ndarray:
+        """The first `count` modes (count, n); a MethodError names the setting that asks for more than there are."""
         if not 1 <= count <= len(self.modes):
-            raise MethodError(f"modes = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}")
+            raise MethodError(f"{setting} = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}")
         return self.modes[:count]
 
 

@@ -213,6 +213,18 @@ def test_a_bad_value_is_named(setting, value):
         Split(**{setting: value})
 
 
+@pytest.mark.parametrize("linear", ["none", "pod", "modes"])
+def test_fewer_directions_than_coordinates_are_refused(linear):
+    with pytest.raises(MethodError, match="rank is 1, fewer directions than latent = 2; give 2 or more, or 0"):
+        DecoupledAutoencoder(**QUICK | {"rank": 1, "latent": 2, "linear": linear})
+
+
+@pytest.mark.parametrize("rank, linear", [(0, "modes"), (14, "modes"), (0, "none")])
+def test_more_modes_than_the_structure_holds_are_refused(rank, linear):
+    with pytest.raises(MethodError, match="latent = 7: the structure holds 6 modes; choose 1 to 6"):
+        Split(**QUICK | {"rank": rank, "latent": 7, "linear": linear}).fit(training())
+
+
 def test_split_plus_names_what_it_lacks():
     with pytest.raises(MethodError, match="starts_from"):
         SplitPlus().fit(training())
