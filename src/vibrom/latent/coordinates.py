@@ -85,7 +85,7 @@ def _rate(training: Training, time_scale: str) -> float:
     return float(np.linalg.norm(training.joined("velocity")) / np.linalg.norm(training.joined("displacement")))
 
 
-def linear_dynamics(structure: Structure, latent: int, rate: float) -> np.ndarray:
+def linear_dynamics(structure: Structure, latent: int, rate: float = 1.0) -> np.ndarray:
     """R0 (d, 2d) of d2z/dtau2 = R0 (z, dz/dtau) for z in the first d modes: (-phi' K phi / rate^2, -phi' C phi / rate)."""
     phi = structure.leading(latent, "latent").T
     return np.hstack([-(phi.T @ (structure.stiffness @ phi)) / rate**2, -(phi.T @ (structure.damping @ phi)) / rate])
