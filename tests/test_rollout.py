@@ -9,7 +9,7 @@ import pytest
 from oscillators import OMEGA, linear_rom
 
 from vibrom.rollout import Drive, Integrator, decode_displacement, rollout
-from vibrom.rom import Rom, rom_from_dataset
+from vibrom.rom import MethodError, Rom, rom_from_dataset
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,12 @@ def test_four_functions_are_enough():
         np.testing.assert_allclose(ours.range_ratio, slow.range_ratio, rtol=1e-5)
     reduced = ours.reduced[0]
     assert np.array_equal(decode_displacement(rom, reduced, np.array([0]), chunk=64), decode_displacement(Outside(rom.reach, rom), reduced)[:, :1])
+
+
+@pytest.mark.parametrize("reach", [[1.0], [1.0, 2.0, 3.0], [], [[1.0, 2.0]], [1.0, 0.0], [1.0, np.nan]])
+def test_a_reach_that_is_not_of_positions_and_velocities_is_refused(reach):
+    with pytest.raises(MethodError, match="Outside.reach is .*; give the largest of d reduced positions, then of their d velocities"):
+        Outside(np.array(reach), linear_rom())
 
 
 def test_a_stored_model_moves_as_the_one_that_was_stored():

@@ -26,7 +26,7 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
     """The `count` lowest angular frequencies (count,) [rad/s] and modes (count, n) [kg^-1/2].
 
     Shift-invert Lanczos about zero from a fixed start, so that the same scene gives the same bytes. Follower loads make K non-symmetric: as long as
-    they let the body oscillate its modes are real, but not M-orthogonal (Arnoldi). A rest state that buckles or flutters has no eigenmodes.
+    they let the body oscillate its modes are real, but not M-orthogonal (Arnoldi). A rest state that buckles or flutters has no eigenmodes: SceneError.
     """
     for part, effect in (("mass", "inertia"), ("stiffness", "elasticity")):
         if getattr(term, part) is None:
@@ -37,13 +37,14 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
     if all(force.symmetric for force in term.forces):
         squares, vectors = eigsh(stiffness.tocsc(), k=min(count, size - 1), M=term.mass.tocsc(), sigma=0.0, v0=start)
         # Iteration about zero may miss a negative square that is far away; a factor does not.
-        unstable = "buckles" if term.dead_load is not None and not _positive(stiffness) else ""
+        unstable = "" if _positive(stiffness) else "buckles"
     else:
         squares, vectors = eigs(stiffness.tocsc(), k=min(max(count, LOOKED_AT), size - 2), M=term.mass.tocsc(), sigma=0.0, v0=start)
         unstable = "flutters" if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max() else "buckles" if squares.real.min() <= 0.0 else ""
         squares, vectors = squares.real, vectors.real
     if unstable:
-        raise SceneError(f"effects: the body {unstable} under its dead load, so that it has no modes to oscillate in about its rest state; lower that load")
+        cause, cure = ("its dead load", "lower that load") if term.dead_load is not None else ("a negative stiffness", "raise it, as cubic_spring.linear")
+        raise SceneError(f"effects: the body {unstable} under {cause}, so that it has no modes to oscillate in about its rest state; {cure}")
     order = np.argsort(squares)[:count]
     modes = vectors[:, order].T
     modes /= np.sqrt(np.einsum("ki,ki->k", modes, (term.mass @ modes.T).T))[:, None]

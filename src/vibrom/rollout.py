@@ -18,7 +18,7 @@ FIRST_STEP = 0.05  # of 1/omega: a twentieth of what the method takes later, and
 @dataclass(frozen=True)
 class Integrator:
     """rtol relative; atol as a fraction of the training range of each reduced coordinate. `dop853` chooses its steps by them; `gauss`, which is implicit, takes
-    `steps` equal ones to a period of the first frequency, and iterates to them."""
+    `steps` equal ones to a period of the fastest reduced coordinate, and iterates to them."""
 
     rtol: float = 1e-8
     atol: float = 1e-10
@@ -52,7 +52,7 @@ class Rollout:
 
 
 def rollout(rom: Rom, start: np.ndarray, times: np.ndarray, integrator: Integrator, drive: Drive | None = None) -> Rollout:
-    """z from `start` (b, r) at t = 0, sampled at `times` (b, m) [s]; the model's first frequency sets the first step."""
+    """z from `start` (b, r) at t = 0, sampled at `times` (b, m) [s]; the fastest reduced coordinate sets the first step."""
     field = rom.field(None if drive is None else drive.load)
     # Reaches of z and of dz/dt differ by the frequency of the motion: their ratio is a time scale.
     tempo = float(np.min(rom.reach[: len(rom.reach) // 2] / rom.reach[len(rom.reach) // 2:]))

@@ -2,8 +2,8 @@
 
     z = encode(x),   x = decode(z),   dz/dt = drift(z) + force_map(z, p) u(t)
 
-x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, r) are the reduced coordinates, of any
-dimension; the load is p u(t), with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of
+x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, 2d) are d reduced positions, then what goes
+with each as its velocity; `reach` (2d,) holds the largest of each in the training data, and their ratio is a time scale of the model; the load is p u(t), with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of
 these four and nothing else, so that every model answers the same questions in the same way. A model may say the same a quicker way: `displacement` is a part of
 `decode`, and `field` is `drift` and `force_map` in compiled code.
 """
@@ -36,7 +36,7 @@ def array_field(units: str, long_name: str, dims: tuple[str, ...]) -> Any:
 class Guards:
     """What keeps a fitted model from running away; see `latent.extrapolation` and `latent.dissipative`."""
 
-    extrapolation: str = "none"  # of the polynomials beyond the training range: none, or linear
+    extrapolation: str = "none"  # of polynomials, of dynamics and decoder, beyond the training range: none, or linear
     dissipative: int = 0  # order of dynamics fitted anew so that they cannot gain energy, which is linear extrapolation too; 0: as the method fits them
 
     def __post_init__(self) -> None:
@@ -51,6 +51,11 @@ class Rom(ABC):
     """A fitted model. Subclasses are frozen dataclasses of arrays (`array_field`), strings and numbers."""
 
     reach: np.ndarray = array_field("1", "largest absolute reduced coordinate in the training data, in its own unit", ("coordinate",))
+
+    def __post_init__(self) -> None:
+        reach = np.asarray(self.reach)
+        if reach.ndim != 1 or len(reach) == 0 or len(reach) % 2 or not (reach > 0).all():
+            raise MethodError(f"{type(self).__name__}.reach is {reach.tolist()}; give the largest of d reduced positions, then of their d velocities, all positive")
 
     @abstractmethod
     def encode(self, x: np.ndarray) -> np.ndarray: ...
@@ -142,10 +147,10 @@ class Structure:
     modes: np.ndarray
     frequencies: np.ndarray
 
-    def leading(self, count: int) -> np.ndarray:
-        """The first `count` modes (count, n)."""
+    def leading(self, count: int, setting: str = "modes") -> np.ndarray:
+        """The first `count` modes (count, n); a MethodError names the setting that asks for more than there are."""
         if not 1 <= count <= len(self.modes):
-            raise MethodError(f"modes = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}")
+            raise MethodError(f"{setting} = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}")
         return self.modes[:count]
 
 

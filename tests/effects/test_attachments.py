@@ -9,6 +9,7 @@ from scipy.special import ellipk
 from vibrom import effects, space
 from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
+from vibrom.term import SceneError
 
 TIP, AT = {"tip": {"at": [1.0, 0.01], "direction": "y"}}, [1.0, 0.01]
 
@@ -48,6 +49,19 @@ def test_frequencies_with_a_tip_mass(ratio):
     # Shear and rotary inertia, absent from the equation, lower the second by some (h/L)^2 b^2 = 0.6 %.
     np.testing.assert_allclose(eigenmodes(term, 2)[0], np.square(roots) * np.sqrt(BENDING / LINE), rtol=6e-3)
     assert eigenmodes(term, 1)[0][0] == pytest.approx(roots[0] ** 2 * np.sqrt(BENDING / LINE), rel=1e-3)
+
+
+@pytest.mark.parametrize("excess", [0.01, 100.0])
+def test_a_spring_that_pushes_away_harder_than_the_beam_holds_has_no_modes(excess):
+    """The beam holds its tip with 3 EI/L^3: just beyond it, and far beyond, where no square is near zero."""
+    made = space.build(quadratic_body(cells=[20, 1]))
+
+    def pushed(part):
+        return effects.assemble(made, {**BEAM, "cubic_spring": {"at": AT, "direction": "y", "linear": -3 * BENDING * part}})
+
+    assert eigenmodes(pushed(0.99), 1)[0][0] > 0.0
+    with pytest.raises(SceneError, match="buckles under a negative stiffness.* raise it, as cubic_spring.linear"):
+        eigenmodes(pushed(1 + excess), 1)
 
 
 @pytest.mark.parametrize("hardening", [3.0, -0.6])

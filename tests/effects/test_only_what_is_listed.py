@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from vibrom.data import open_dataset
 from vibrom.solvers import static
 from vibrom.solvers.newmark import Record
 from vibrom.steps import full_order, structure
+from vibrom.term import SceneError
 
 ROOT = Path(__file__).parents[2]
 SCENES = {path.stem: yaml.safe_load(path.read_text()) for path in (ROOT / "config/scenes").glob("*.yaml")}
@@ -28,6 +30,17 @@ def python(code: str, *arguments: str, path: Path = ROOT / "src") -> str:
     done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(path)})
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def test_the_class_that_assembles_is_the_effect(monkeypatch):
+    """A file may have helpers beside it, but one effect only."""
+    module = ModuleType("vibrom.effects.extra")
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    exec("class Helper: pass\nclass Extra:\n    def assemble(self, space, base): pass", vars(module))
+    assert type(effects.load("extra", {})) is module.Extra
+    exec("class Another(Extra): pass", vars(module))
+    with pytest.raises(SceneError, match="effects/extra.py defines 2 classes with an `assemble`; define exactly one"):
+        effects.load("extra", {})
 
 
 COUNTED = """

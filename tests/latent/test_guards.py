@@ -148,6 +148,17 @@ def test_an_autoencoder_that_is_the_identity_has_the_guards_of_a_polynomial(guar
     np.testing.assert_allclose(np.concatenate(found), guarded.drift(points), rtol=0, atol=1e-12 * np.abs(right).max())
 
 
+@pytest.mark.parametrize("guards", [{"extrapolation": "linear"}, {"dissipative": 5}])
+def test_a_guarded_polynomial_decoder_goes_straight_on_beyond_the_range_only(guards):
+    guarded = learnt(FEEDING["softening"], **guards)
+    guarded = replace(guarded, decoder=np.array([[1.0, 5.0], [1.0, 5.0]]) * guarded.scale[:, None], decoder_powers=np.array([[1, 0], [3, 0]]))
+    z = np.array([[radius, 0.0] for radius in (0.5, 1.0, 2.0, 3.0)]) * guarded.reach
+    # y + 5 y^3 has the slope 16 at y = 1.
+    np.testing.assert_allclose(guarded.decode(z)[:, 0] / guarded.scale[0], [1.125, 6.0, 22.0, 38.0], rtol=1e-14)
+    assert np.array_equal(guarded.decode(z)[:2], replace(guarded, extrapolation="none").decode(z)[:2])
+    assert np.array_equal(guarded.displacement(z), guarded.decode(z)[:, :1])
+
+
 def test_guards_are_stored(tmp_path):
     for guards in ({"extrapolation": "linear"}, {"dissipative": 5}):
         rom = learnt(FEEDING["softening"], **guards)

@@ -104,6 +104,15 @@ def test_shapes_and_batches(fitted):
     assert z.shape == (3, 4, 2 * rom.latent) and rom.decode(z).shape == x.shape
 
 
+@pytest.mark.parametrize("settings", [{}, {"optimiser": "adam", "batch": 32}, {"latent": 2}])
+def test_split_of_order_one_has_the_known_linear_dynamics(settings):
+    d = settings.get("latent", 1)
+    rom = Split(**QUICK | settings, order=1).fit(training(d))
+    z = np.random.default_rng(0).standard_normal((5, 2 * d)) * np.repeat([1.0, FREQUENCIES[0]], d)
+    right = -FREQUENCIES[:d] ** 2 * z[:, :d] - DAMPING * z[:, d:]
+    np.testing.assert_allclose(rom.drift(z), np.hstack([z[:, d:], right]), rtol=1e-12, atol=1e-12 * np.abs(right).max())
+
+
 @pytest.mark.parametrize("rule", ["decoder", "decoder_mass", "encoder"])
 def test_force_map_is_linear_in_the_load(fitted, rule):
     rom, data = fitted
@@ -202,6 +211,18 @@ def test_a_training_that_diverges_says_so():
 def test_a_bad_value_is_named(setting, value):
     with pytest.raises(MethodError, match=setting):
         Split(**{setting: value})
+
+
+@pytest.mark.parametrize("linear", ["none", "pod", "modes"])
+def test_fewer_directions_than_coordinates_are_refused(linear):
+    with pytest.raises(MethodError, match="rank is 1, fewer directions than latent = 2; give 2 or more, or 0"):
+        DecoupledAutoencoder(**QUICK | {"rank": 1, "latent": 2, "linear": linear})
+
+
+@pytest.mark.parametrize("rank, linear", [(0, "modes"), (14, "modes"), (0, "none")])
+def test_more_modes_than_the_structure_holds_are_refused(rank, linear):
+    with pytest.raises(MethodError, match="latent = 7: the structure holds 6 modes; choose 1 to 6"):
+        Split(**QUICK | {"rank": rank, "latent": 7, "linear": linear}).fit(training())
 
 
 def test_split_plus_names_what_it_lacks():

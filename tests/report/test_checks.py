@@ -84,6 +84,17 @@ def test_another_release_or_forcing_is_not_compared():
     assert met(frame, "test release, tip") == ["yes"]
 
 
+@pytest.mark.parametrize("changed, left", [
+    ({"release": release(recipes={"train": {"forcing": 700.0, "step": 4545}})}, set()),
+    ({"release": release(recipes={"test": {"forcing": 700.0, "step": 4545}})}, {"forced NMTE"}),
+    ({"forced": forced(forcing=2.0)}, {"reconstruction NMTE", "decay NMTE"}), ({}, {"reconstruction NMTE", "decay NMTE", "forced NMTE"})])
+def test_models_are_compared_where_all_that_their_answer_depends_on_is_the_thesis_s(changed, left):
+    frame = run("split_plus", [("reconstruction", "nmte_percent", 0.08), ("decay", "nmte_percent", 0.2), ("forced", "nmte_percent", 0.18)], **changed)
+    assert set(frame.query("method == 'split_plus' and source != 'promise'")["quantity"]) == left
+    curve = Collection({("small", "full_order", "unseeded", "frc"): lambda: forced(forcing=2.0)})
+    assert checks.as_printed("small", curve) == {"train", "test", "forced"}
+
+
 def test_trained_methods_against_the_thesis():
     frame = run("split_plus", [("reconstruction", "nmte_percent", 0.08), ("decay", "nmte_percent", 0.3),
                                ("forced", "nmte_percent", 0.18)])
@@ -112,6 +123,8 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
     quantity = "forced, cells without value or outcome"
     assert met(run("split", outcome="diverged"), quantity, "split") == ["yes"]
     assert met(run("split"), quantity, "split") == ["no"]
+    for motion, kept in ((forced(), "yes"), (forced(np.nan), "no")):
+        assert met(run(forced=motion.assign_coords(probe=["probe", "middle", "end"])), quantity) == [kept]  # no probe called tip
     frame = tables.build("checks", collection, scores)  # 8 x 2 cells: not the thesis's beam
     assert len(frame) == 2 * 4 * 2 and set(frame["met"]) == {"yes"}
 

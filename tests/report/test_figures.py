@@ -4,10 +4,12 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from vibrom.data import outcome_variables
 from vibrom.report import names
 from vibrom.report.collection import Collection
-from vibrom.report.figures import draw
+from vibrom.report.figures import blow_up, draw
 from vibrom.report.scores import Scores
 from vibrom.steps import figures as step
 
@@ -43,6 +45,11 @@ def test_failures_are_in_words_in_their_panel(drawn):
     assert "Modal projection: 6 of 9; diverged" in said(drawn["frc_amplitude"])
     assert "diverged" in said(drawn["final_shapes"])
     assert "Modal projection in case large" in said(drawn["blow_up"]) and "after 3 periods" in said(drawn["blow_up"])
+
+
+def test_an_implicit_method_that_does_not_converge_is_a_failure():
+    run = xr.Dataset(outcome_variables("no_convergence", 0.1))
+    assert blow_up.first_failure(Collection({("large", "split", "seed_0", "forced"): lambda: run}))[:3] == ("large", "split", "seed_0")
 
 
 @pytest.mark.parametrize(

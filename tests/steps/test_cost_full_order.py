@@ -17,7 +17,7 @@ SCENE = {
     # The release excites the high modes, and damping proportional to the stiffness ends them.
     "effects": {"inertia": {"density": 440.0}, "elasticity": SLENDER, "geometric_nonlinearity": {},
                 "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 1e-4}, "modal_load": {"mode": 1}},
-    "time": {"steps_per_period": 200, "every": 1, "alpha": 0.005, "residual": 1e-8, "initial_acceleration": "zero"},
+    "time": {"steps_per_period": 240, "every": 1, "alpha": 0.005, "residual": 1e-8, "initial_acceleration": "zero"},
     "decay": {"periods": PERIODS}, "forced": {"forcing": 2e3, "periods": PERIODS},
 }
 SETTINGS = {
@@ -84,6 +84,13 @@ def test_orders(study):
         # Numerical damping adds a part proportional to alpha h.
         assert (np.log2(damped[:-1] / damped[1:]) < 1.6).all() and (damped > plain).all()
         assert float(dataset["reference_order"].sel(question=question)) == pytest.approx(2.0, abs=0.1)
+
+
+def test_steps_that_are_no_multiple_of_the_samples_go_up_to_the_next(study):
+    """240 steps to the period of the scene, 50 samples: 250."""
+    _, _, dataset = study
+    chosen = dataset["study"].values == "residual"
+    assert dataset["steps_per_period"].values[chosen].tolist() == [250] and (dataset["error"].sel(question=["decay", "forced"]).values[chosen] > 0).all()
 
 
 def test_meshes_against_beam_theory(study):

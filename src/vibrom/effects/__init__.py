@@ -7,7 +7,7 @@ import importlib
 from typing import Any
 
 from vibrom.space import Space
-from vibrom.term import Term
+from vibrom.term import SceneError, Term
 
 
 def assemble(space: Space, effects: dict[str, dict[str, Any]]) -> Term:
@@ -19,7 +19,9 @@ def assemble(space: Space, effects: dict[str, dict[str, Any]]) -> Term:
 
 
 def load(name: str, settings: dict[str, Any]) -> Any:
-    """The effect of this name: the one class that `effects/<name>.py` defines."""
+    """The effect of this name: the one class with an `assemble` that `effects/<name>.py` defines."""
     module = importlib.import_module(f"vibrom.effects.{name}")
-    (effect,) = [item for item in vars(module).values() if isinstance(item, type) and item.__module__ == module.__name__]
-    return effect(**settings)
+    found = [item for item in vars(module).values() if isinstance(item, type) and item.__module__ == module.__name__ and hasattr(item, "assemble")]
+    if len(found) != 1:
+        raise SceneError(f"effects/{name}.py defines {len(found)} classes with an `assemble`; define exactly one")
+    return found[0](**settings)

@@ -175,7 +175,7 @@ class Polynomial:
     def __init__(self, powers: np.ndarray, device: torch.device):
         self.powers = torch.tensor(np.asarray(powers).T, device=device)  # (variable, l)
         self.lower = (self.powers - 1).clamp(min=0)
-        self.top = int(np.max(powers))
+        self.top = int(np.max(powers, initial=0))  # none in linear dynamics that are known
 
     def monomials(self, y: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Phi (sample, l), and dPhi/dy (variable, sample, l)."""

@@ -74,6 +74,8 @@ class AutoencoderMethod(Method):
         for name in ("latent", "order", "every", "epochs"):
             if getattr(self, name) < 1:
                 raise MethodError(f"{name} is {getattr(self, name)}; give 1 or more")
+        if self.rank and self.rank < self.latent:
+            raise MethodError(f"rank is {self.rank}, fewer directions than latent = {self.latent}; give {self.latent} or more, or 0 for the displacements themselves")
         if not self.learning_rate > 0:
             raise MethodError(f"learning_rate is {self.learning_rate}; give a positive number")
         if not all(isinstance(size, int) and size > 0 for size in self.hidden):

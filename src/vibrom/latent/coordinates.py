@@ -41,7 +41,7 @@ def choose(training: Training, *, rank: int, modes: int, scaled: bool, time_scal
 
 def known(training: Training, modes: int) -> np.ndarray:
     """The first `modes` mode shapes (n, modes)."""
-    return training.require_structure("linear: modes").modes[:modes].T if modes else np.zeros((training.joined("displacement").shape[1], 0))
+    return training.require_structure("linear: modes").leading(modes, "latent").T if modes else np.zeros((training.joined("displacement").shape[1], 0))
 
 
 def _basis(q: np.ndarray, rank: int, first: np.ndarray) -> np.ndarray:
@@ -85,7 +85,7 @@ def _rate(training: Training, time_scale: str) -> float:
     return float(np.linalg.norm(training.joined("velocity")) / np.linalg.norm(training.joined("displacement")))
 
 
-def linear_dynamics(structure: Structure, latent: int, rate: float) -> np.ndarray:
+def linear_dynamics(structure: Structure, latent: int, rate: float = 1.0) -> np.ndarray:
     """R0 (d, 2d) of d2z/dtau2 = R0 (z, dz/dtau) for z in the first d modes: (-phi' K phi / rate^2, -phi' C phi / rate)."""
-    phi = structure.modes[:latent].T
+    phi = structure.leading(latent, "latent").T
     return np.hstack([-(phi.T @ (structure.stiffness @ phi)) / rate**2, -(phi.T @ (structure.damping @ phi)) / rate])

@@ -11,8 +11,6 @@ import numpy as np
 
 from vibrom.latent.polynomial import monomials, slopes
 
-EXTRAPOLATIONS = ("none", "linear")
-
 
 def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
     """c (*batch, 2d) of z (*batch, 2d): positions, then velocities; reach (2d,)."""

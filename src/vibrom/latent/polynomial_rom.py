@@ -4,6 +4,8 @@
 
 W (d, n) projects displacement and velocity, D (2n, k) and R (2d, l) are the coefficients of the monomials Psi and Phi, and F (d, n) maps the load:
 phi' for modal coordinates. s scales the monomials to order one, which keeps high orders well conditioned.
+
+Guards continue Psi as well as Phi beyond `reach` (`extrapolation`): a motion that holds far out would otherwise be decoded by a polynomial of high degree there.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import numpy as np
 from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import continued
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.rom import Guards, MethodError, Rom, Structure, Training, array_field
+from vibrom.rom import Guards, MethodError, Rom, Training, array_field
 
 if TYPE_CHECKING:
     from vibrom.solvers.field import Field
@@ -81,10 +83,3 @@ def fit_remainder(z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: 
     known = np.eye(len(scale), dtype=np.int64)
     remainder = least_squares(monomials(z / scale, powers), target - z @ linear.T)
     return np.concatenate([linear * scale, remainder], axis=1), np.concatenate([known, powers])
-
-
-def linear_dynamics(structure: Structure, count: int) -> np.ndarray:
-    """R0 (2d, 2d) of the first `count` modes:  z'' = -omega^2 z - phi' C phi z'."""
-    modes = structure.modes[:count]
-    damping = modes @ (structure.damping @ modes.T)
-    return np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(structure.frequencies[:count] ** 2), -damping]])

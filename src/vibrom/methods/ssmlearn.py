@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibrom.latent.coordinates import linear_dynamics
 from vibrom.latent.polynomial import exponents
-from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder, linear_dynamics
+from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder
 from vibrom.rom import Method, Training
 
 
@@ -34,5 +35,6 @@ class SsmLearn(Method):
             decoder, decoder_powers = fit_remainder(z, reach, exponents(2 * d, 2, self.order_decoder), x, linear)
         with monitor.phase("dynamics"):
             rate = np.concatenate([z[:, d:], training.joined("acceleration") @ encoder.T], axis=1)
-            dynamics, powers = fit_remainder(z, reach, exponents(2 * d, 2, self.order_dynamics), rate, linear_dynamics(structure, d))
+            known = np.vstack([np.eye(2 * d)[d:], linear_dynamics(structure, d)])
+            dynamics, powers = fit_remainder(z, reach, exponents(2 * d, 2, self.order_dynamics), rate, known)
         return PolynomialRom(reach, encoder, reach, decoder, decoder_powers, dynamics, powers, phi)

@@ -3,13 +3,14 @@
 Every model of the run is asked as it was configured. Then one setting after the other is varied, the others being those of config/methods. Besides the
 method's own settings: `thin` (train on every k-th sample), `periods` (on the first k periods of the training decay, whose share of the simulation counts),
 `start.<setting>` (of the method that this one starts from) and `rtol` (of the integrator; atol a hundredth of it). Each model is asked the test decay, the forced run and the response curve of the scene,
-with the errors of those experiments: NMTE, NMTE of the last period, median error of the amplitude.
+with the errors of those experiments: NMTE, NMTE of the last period, median error of the amplitude. A value that does not go with the method's other settings is `skipped`.
 
 Offline seconds are those of the training data, the mapping (that of a model to start from included) and the dynamics; online ones those of one answer. All are medians of
 repeated calls, after one that compiles; what takes long is not repeated, `calls` and `fits` say how often.
 """
 
 import json
+import sys
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from statistics import median
@@ -25,7 +26,7 @@ from vibrom.observed import structure as operators
 from vibrom.observed import trajectory
 from vibrom.progress import bar
 from vibrom.rollout import Integrator
-from vibrom.rom import Monitor, Rom, Training, TrainingDiverged, Trajectory, method_from_settings, rom_from_dataset
+from vibrom.rom import MethodError, Monitor, Rom, Training, TrainingDiverged, Trajectory, method_from_settings, rom_from_dataset
 from vibrom.steps.experiment import KINDS, REFERENCE_FAILED, shortened
 from vibrom.work_precision import repeated
 
@@ -142,25 +143,27 @@ class Study:
         unfit = REFERENCE_FAILED if str(self.artefacts["train"]["outcome"].item()) != "ok" else "ok" if start is None else start.outcome
         if unfit != "ok":
             return Fitted(None, unfit, seconds, before, 0.0)
-        method = method_from_settings(kind, settings)
-        skipped = method.skip({block: json.loads(self.artefacts["structure"].attrs[block]) for block in ("body", "effects")})
-        if skipped:
-            return Fitted(None, "skipped", seconds, before, 0.0)
         clocks: list[Clock] = []
 
-        def call(method=method):
+        def call(method):
             clocks.append(Clock())
             rom = method.learn(Training((motion,), (trajectory(self.artefacts["test"]),), self.structure, self.seed, self.device, start and start.rom, clocks[-1]))
             return rom, sum(clocks[-1].seconds.values())
 
         try:
+            method = method_from_settings(kind, settings)
+            if skipped := method.skip({block: json.loads(self.artefacts["structure"].attrs[block]) for block in ("body", "effects")}):
+                raise MethodError(skipped)
             if kind not in self.warm:  # libraries load at their first use
                 call(method_from_settings(kind, settings | {"epochs": 1} if "epochs" in settings else settings))
                 self.warm.add(kind)
             clocks.clear()
-            rom, _, fits = repeated(call, self.repeats, self.patience)
+            rom, _, fits = repeated(lambda: call(method), self.repeats, self.patience)
         except TrainingDiverged:
             return Fitted(None, "training_diverged", seconds, before, 0.0)
+        except MethodError as error:  # a value that does not go with the method's other settings; the rest of the study does
+            print(f"{kind}: {settings} is skipped: {error}", file=sys.stderr)
+            return Fitted(None, "skipped", seconds, before, 0.0)
         middle = {name: median(clock.seconds[name] for clock in clocks) for name in ("mapping", "dynamics")}
         self.made[key] = Fitted(rom, "ok", seconds, before + middle["mapping"], middle["dynamics"], fits)
         return self.made[key]

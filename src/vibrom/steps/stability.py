@@ -54,7 +54,7 @@ def run(*, structure: str, train: str, test: str, forced_run: str, curve: str, r
             results.scene(here, guarded, asked, integrator)
         if reason == "ok":
             results.energy[place], results.envelope[place] = grid.let_go(guarded, chosen, model.frequency, PERIODS, integrators[first],
-                                                                     lambda q, v: energy(model.term, q, v))
+                                                                     lambda q, v: energy(model.term, q, v, model.rest))
     save_dataset(label(results.dataset(), "stability", scene=scene_name, method=method, seed=seed, periods=stability["periods"], reasons=json.dumps(results.reasons),
                        settings=json.dumps(stability, sort_keys=True)), output, provenance)
 
@@ -90,7 +90,7 @@ class Results:
             "forcing": variable("run", self.cases.forcing, "1", "forcing amplitude over the scene's"),
             "frequency": variable("run", self.cases.frequency, "1", "forcing frequency over the damped first frequency"),
             "radius": variable("run", self.cases.radius, "1", "distance of the start from rest over the training range"),
-            "energy": variable(("guard", "release", "period"), self.energy, "J", "mechanical energy of the decoded state, mean over each period after release"),
+            "energy": variable(("guard", "release", "period"), self.energy, "J", "mechanical energy of the decoded state over that at rest, mean over each period after release"),
             "envelope": variable(("guard", "release", "period"), self.envelope, "1", "largest reduced position over its training range, in each period after release and the next"),
             "frc_amplitude": variable((*pair, "angular_frequency"), self.frc_amplitude, "m", "amplitude of the first probe on the scene's response curve"),
             "frc_outcome": variable((*pair, "angular_frequency"), self.frc_outcome, "1", "how the run of the response curve ended"),

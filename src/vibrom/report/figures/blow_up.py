@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from vibrom.report.collection import FULL_ORDER, at_probe, scalar
 from vibrom.report.figures import panels, style
 
-FAILURES = ("diverged", "step_underflow")
+FAILURES = ("diverged", "step_underflow", "no_convergence")
 
 
 def first_failure(collection):
