@@ -216,9 +216,11 @@ def test_the_norm_of_accelerations():
     for norm in ("static", "plain"):
         method = Split(**QUICK | {"acceleration_norm": norm})
         problem = method.problem(data)
-        c, norms[norm] = problem.train, problem.dynamics
-        assert np.isclose(problem.dynamics.reduced, np.sum(c[0] ** 2) / np.sum(c[2] ** 2))
-    assert norms["plain"].norm is None and np.isclose(norms["plain"].full, 0.3 * norms["plain"].reduced) and norms["static"].full == 0.3
+        norms[norm] = problem.dynamics
+        balance = np.sum(problem.train[0] ** 2) / np.sum(problem.train[2] ** 2)
+        assert np.isclose(problem.dynamics.reduced, method.acceleration_reduced * balance)
+    assert norms["plain"].norm is None and np.isclose(norms["plain"].full, method.acceleration_full * balance)
+    assert norms["static"].full == method.acceleration_full
     with pytest.raises(MethodError, match="acceleration_norm is 'dynamic'"):
         Split(acceleration_norm="dynamic")
 

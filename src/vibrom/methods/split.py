@@ -30,8 +30,8 @@ class Split(AutoencoderMethod):
     linear: str = "modes"
     decoder_beyond: str = "tangent"
     acceleration_norm: str = "static"
-    acceleration_full: float = 0.3
-    acceleration_reduced: float = 1.0
+    acceleration_full: float = 0.1
+    acceleration_reduced: float = 0.3
     first_coefficient: float = 0.0  # of every monomial, before training
     coefficient_gain: float = 1.0  # learning rate of the coefficients over that of the weights
 
