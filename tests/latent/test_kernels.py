@@ -1,6 +1,7 @@
 """Compiled vector fields against the numpy functions of the same models, and their elementary functions against SciPy's."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -8,11 +9,11 @@ from numba import njit
 from scipy.sparse import coo_matrix, diags
 from scipy.special import expit
 
-from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom
+from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom
 from vibrom.latent.decoder_kernel import ACTIVATIONS, _activate
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.latent.polynomial_kernel import polynomial_kernel
-from vibrom.rom import MethodError
+from vibrom.rom import MethodError, rom_from_dataset
 from vibrom.lanes import WIDTH, load, store
 
 DOFS = 9
@@ -80,12 +81,12 @@ def test_autoencoders(latent, rank, first_order):
     p, rng = np.random.default_rng(3).standard_normal(DOFS), np.random.default_rng(4)
     z = rng.uniform(-3, 3, (40, 2 * latent)) * np.repeat([1.0, 25.0], latent)
     for activation in ACTIVATIONS:
-        for rule in RULES:
-            rom = autoencoder(latent, rank, activation, rule, first_order)
+        for rule, beyond in product(RULES, BEYOND):  # the range ends at two
+            rom = replace(autoencoder(latent, rank, activation, rule, first_order), decoder_beyond=beyond)
             field = rom.field(p)
             for kernel, right in ((field.drift, rom.drift(z)), (field.force, rom.force_map(z, p))):
                 # Gram matrices of three tangents lose at most some hundred of condition here.
-                np.testing.assert_allclose(values(kernel, z), right, rtol=0, atol=1e-12 * np.abs(right).max(), err_msg=f"{activation} {rule}")
+                np.testing.assert_allclose(values(kernel, z), right, rtol=0, atol=1e-12 * np.abs(right).max(), err_msg=f"{activation} {rule} {beyond}")
 
 
 def test_one_hidden_layer_and_many():
@@ -102,6 +103,29 @@ def test_some_displacements_are_rows_of_all():
         z, dofs = np.random.default_rng(0).standard_normal((6, 2 * rom.latent)), np.array([7, 2])
         np.testing.assert_allclose(rom.displacement(z), rom.decode(z)[:, :DOFS], atol=1e-15)
         np.testing.assert_allclose(rom.displacement(z, dofs), rom.decode(z)[:, dofs], atol=1e-15)
+
+
+def test_a_decoder_goes_on_along_its_tangent():
+    for latent in (1, 2):
+        free = autoencoder(latent)
+        rom, step = replace(free, decoder_beyond="tangent"), 1e-6
+        inside = np.random.default_rng(1).uniform(-2, 2, (20, 2 * latent))
+        np.testing.assert_allclose(rom.decode(inside), free.decode(inside), rtol=1e-14, atol=1e-16)
+        edge = inside.copy()
+        edge[:, :latent] = 2.0 * np.sign(inside[:, :latent])
+        out = np.zeros_like(edge)
+        out[:, :latent] = edge[:, :latent] * np.random.default_rng(2).uniform(0.1, 1.0, (20, latent))
+        at = [rom.decode(edge + far * out) for far in (0.0, 1.0, 2.0)]
+        slope = (free.decode(edge + step * out) - free.decode(edge - step * out))[:, :DOFS] / (2 * step)
+        # The network's own derivative at the edge, by differences that are good to step^2; velocities keep the tangent of the edge.
+        np.testing.assert_allclose((at[1] - at[0])[:, :DOFS], slope, atol=1e-8 * np.abs(slope).max())
+        np.testing.assert_allclose((at[2] - at[0])[:, :DOFS], 2 * (at[1] - at[0])[:, :DOFS], atol=1e-13)
+        np.testing.assert_allclose(at[2][:, DOFS:], at[0][:, DOFS:], atol=1e-13)
+        np.testing.assert_allclose(rom.displacement(edge + out), rom.decode(edge + out)[:, :DOFS], atol=1e-15)
+        p = np.arange(DOFS) - 3.0
+        np.testing.assert_allclose(rom.force_map(edge + out, p), free.force_map(edge, p), rtol=1e-12)
+        back = rom_from_dataset(rom.to_dataset())
+        np.testing.assert_array_equal(back.decode(edge + out), rom.decode(edge + out))
 
 
 def test_a_lane_does_not_see_its_neighbours():

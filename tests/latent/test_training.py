@@ -84,7 +84,8 @@ def written_out(learner, weights, c, decoder_linear):
     found = dynamics.gain * weights[-1]
     model = torch.cat([z, first], 1) @ torch.tensor(dynamics.linear).T
     model = model + sum(found[0, i] * (z[:, 0] ** int(a) * first[:, 0] ** int(b))[:, None] for i, (a, b) in enumerate(dynamics.powers))
-    parts = [(c[0] - decode(z)).square().sum(1).mean(), (c[2] - along(decode, z, first, model)[1]).square().sum(1).mean(),
+    apart = (c[2] - along(decode, z, first, model)[1]) @ torch.tensor(dynamics.norm).T
+    parts = [(c[0] - decode(z)).square().sum(1).mean(), apart.square().sum(1).mean(),
              (second - model).square().sum(1).mean()]
     return torch.stack([parts[0] + dynamics.full * parts[1] + dynamics.reduced * parts[2] + dynamics.sparsity * found.abs().sum(), *parts])
 
@@ -92,7 +93,8 @@ def written_out(learner, weights, c, decoder_linear):
 def test_loss_and_gradient_equal_automatic_differentiation():
     column = torch.tensor([[1.0], [0.5], [-0.3], [0.2], [0.1]], dtype=torch.float64)
     shape = Autoencoder((5, 8, 6, 1), "silu", column.T.clone(), column, fixed_tangent=True)
-    dynamics = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.3, 3.0, 0.7, 0.2, 0.01)
+    norm = np.random.default_rng(3).standard_normal((5, 5))
+    dynamics = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.3, 3.0, 0.7, 0.2, 0.01, norm)
     learner = loop.Learner(shape, dynamics, torch.float64, torch.device("cpu"), torch.Generator().manual_seed(0))
     c = torch.tensor(motion())
     weights = [part.clone().requires_grad_() for part in learner.parts]

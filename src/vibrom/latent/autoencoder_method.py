@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibrom.latent import coordinates
-from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom, slope_at_rest
+from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom, slope_at_rest
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.rom import Method, MethodError, Training
@@ -28,6 +28,7 @@ CHOICES = {
     "schedule": ("one_cycle", "constant"),
     "precision": ("float32", "float64"),
     "force_rule": RULES,
+    "decoder_beyond": BEYOND,
 }
 
 
@@ -65,6 +66,7 @@ class AutoencoderMethod(Method):
     schedule: str = "one_cycle"
     precision: str = "float32"
     force_rule: str = "decoder"
+    decoder_beyond: str = "network"  # the training range: the network itself, or its tangent at the edge
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "hidden", tuple(self.hidden))
@@ -142,7 +144,7 @@ class AutoencoderMethod(Method):
             reach=np.ones(2 * self.latent), sizes=np.array(sizes), weights=np.concatenate([part.ravel() for part in parts]),
             encoder_linear=encoder_linear, decoder_linear=decoder_linear, basis=chosen.basis, scale=np.float64(chosen.scale),
             rate=np.float64(chosen.rate), coefficients=np.zeros((self.latent, len(exponents(2 * self.latent, 1, self.order)))),
-            order=self.order, activation=self.activation, force_rule=self.force_rule, **mass,
+            order=self.order, activation=self.activation, force_rule=self.force_rule, decoder_beyond=self.decoder_beyond, **mass,
         )
         motion = scaled_motion(rom, training)
         reach = np.concatenate([np.abs(motion[0]).max(axis=0), np.abs(motion[1]).max(axis=0) * chosen.rate])
@@ -156,12 +158,18 @@ def scaled_motion(rom: AutoencoderRom, training: Training) -> tuple[np.ndarray, 
     return z, first / rate, second / rate**2
 
 
-def fit_first_order(motion: tuple[np.ndarray, ...], order: int, linear: np.ndarray | None) -> np.ndarray:
-    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares; `linear` R0 (d, 2d) keeps the second row's linear part fixed."""
+def fit_first_order(motion: tuple[np.ndarray, ...], order: int, linear: np.ndarray | None, amplitude_power: float) -> np.ndarray:
+    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares; `linear` R0 (d, 2d) keeps the second row's linear part fixed.
+
+    A sample weighs |(z, z')|^amplitude_power. What one coordinate leaves of the motion, the vibration of other modes, decays with it: errors are in
+    proportion to the amplitude, and the power -1 makes them alike (generalised least squares; Aitken, Proc. R. Soc. Edinb. 55 (1936) 42).
+    """
     z, first, second = motion
     y, d = np.hstack([z, first]), z.shape[1]
     target = np.hstack([first, second])
+    size = np.linalg.norm(y, axis=1)
+    weight = (np.maximum(size / size.max(), 1e-6) ** amplitude_power)[:, None]  # a sample at rest tells nothing, and must not weigh infinitely
     if linear is None:
-        return least_squares(monomials(y, exponents(2 * d, 1, order)), target)
+        return least_squares(weight * monomials(y, exponents(2 * d, 1, order)), weight * target)
     fixed = np.vstack([np.eye(2 * d)[d:], linear])
-    return np.hstack([fixed, least_squares(monomials(y, exponents(2 * d, 2, order)), target - y @ fixed.T)])
+    return np.hstack([fixed, least_squares(weight * monomials(y, exponents(2 * d, 2, order)), weight * (target - y @ fixed.T))])

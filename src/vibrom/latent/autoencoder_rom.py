@@ -6,6 +6,12 @@
 
 z is dimensionless, z' in 1/s. The force enters by `force_rule`: `decoder` as above; `decoder_mass` with (V'MV)^-1 V' p, the virtual work of
 the load; `encoder` with w'(q) M^-1 p at q = v(z).
+
+With `decoder_beyond: tangent` the decoder goes on along its tangent where a position leaves the training range |z_i| <= Z_i:
+
+    v(z) -> v(c) + v'(c) (z - c),   v'(z) -> v'(c),   c_i = min(max(z_i, -Z_i), Z_i)
+
+Without data a network may bend anywhere. One position has v'(c) for its tangent exactly; with several, its change along the edge is left out.
 """
 
 from __future__ import annotations
@@ -27,6 +33,7 @@ if TYPE_CHECKING:
     from vibrom.solvers.field import Field
 
 RULES = ("decoder", "decoder_mass", "encoder")
+BEYOND = ("network", "tangent")
 
 
 def activate(name: str, a: np.ndarray, order: int) -> tuple[np.ndarray, ...]:
@@ -86,6 +93,7 @@ class AutoencoderRom(Rom):
     mass_column: np.ndarray | None = array_field("1", "column of each entry of the mass matrix", ("entry",))
     mass_value: np.ndarray | None = array_field("kg", "entries of the mass matrix", ("entry",))
     extrapolation: str = "none"
+    decoder_beyond: str = "network"
 
     @cached_property
     def latent(self) -> int:
@@ -132,16 +140,30 @@ class AutoencoderRom(Rom):
         """z, z' and, with accelerations, z'' (channel, *batch, d) of displacement, velocity and acceleration (*batch, n)."""
         return network(self._layers[0], self.encoder_linear, self.activation, np.stack([self.reduce(part) for part in motion]), len(motion) > 2)
 
+    @cached_property
+    def _edge(self) -> np.ndarray:
+        """Z (d,); infinite where the decoder is the network everywhere."""
+        return self.reach[: self.latent] if self.decoder_beyond == "tangent" else np.full(self.latent, np.inf)
+
+    def _decoder(self, position: np.ndarray, *along: np.ndarray) -> np.ndarray:
+        """v(z) and v'(z) times each of `along` (channel, *batch, k), in network units; positions and directions are (*batch, d)."""
+        if self.decoder_beyond == "network":
+            return network(self._layers[1], self.decoder_linear, self.activation, np.stack([position, *along]))
+        c = np.clip(position, -self._edge, self._edge)
+        found = network(self._layers[1], self.decoder_linear, self.activation, np.stack([c, *along, position - c]))
+        found[0] += found[-1]
+        return found[:-1]
+
     def encode(self, x: np.ndarray) -> np.ndarray:
         q, v = np.split(np.asarray(x), 2, axis=-1)
         return np.concatenate([*self.encode_motion(q, v)], axis=-1)
 
     def decode(self, z: np.ndarray) -> np.ndarray:
-        motion = network(self._layers[1], self.decoder_linear, self.activation, np.stack(np.split(z, 2, axis=-1)))
+        motion = self._decoder(*np.split(z, 2, axis=-1))
         return np.concatenate([(item if self.basis is None else item @ self.basis.T) * float(self.scale) for item in motion], axis=-1)
 
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
-        q = network(self._layers[1], self.decoder_linear, self.activation, z[None, ..., : self.latent])[0] * float(self.scale)
+        q = self._decoder(z[..., : self.latent])[0] * float(self.scale)
         if self.basis is None:
             return q if dofs is None else q[..., dofs]
         return q @ (self.basis if dofs is None else self.basis[dofs]).T
@@ -169,12 +191,7 @@ class AutoencoderRom(Rom):
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
         d, load = self.latent, self._load(p)
         position = z[..., :d]
-        # The position and d unit directions at once: (1 + d, *batch, d).
-        stack = np.empty((1 + d, *position.shape))
-        stack[0] = position
-        for axis in range(d):
-            stack[1 + axis] = np.eye(d)[axis]
-        back = network(self._layers[1], self.decoder_linear, self.activation, stack)
+        back = self._decoder(position, *(np.broadcast_to(direction, position.shape) for direction in np.eye(d)))
         tangents = back[1:]
         if self.force_rule == "encoder":
             along = np.stack([back[0], np.broadcast_to(load, back[0].shape)])
@@ -202,7 +219,7 @@ class AutoencoderRom(Rom):
         if p is None:
             return Field(drift)
         load, mass = self._load(p), self._reduced_mass if self.force_rule == "decoder_mass" else None
-        return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass))
+        return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass, self._edge))
 
     def guarded(self, guards: Guards, training: Training) -> AutoencoderRom:
         if not guards.dissipative:

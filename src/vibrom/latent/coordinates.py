@@ -9,6 +9,7 @@ displacements; s [m] the root mean square displacement vector; f [1/s] the first
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.linalg import splu
 
 from vibrom.rom import MethodError, Structure, Training, Trajectory
 
@@ -89,3 +90,9 @@ def linear_dynamics(structure: Structure, latent: int, rate: float = 1.0) -> np.
     """R0 (d, 2d) of d2z/dtau2 = R0 (z, dz/dtau) for z in the first d modes: (-phi' K phi / rate^2, -phi' C phi / rate)."""
     phi = structure.leading(latent, "latent").T
     return np.hstack([-(phi.T @ (structure.stiffness @ phi)) / rate**2, -(phi.T @ (structure.damping @ phi)) / rate])
+
+
+def static_norm(structure: Structure, chosen: Coordinates) -> np.ndarray:
+    """G (k, k) = f^2 B' K^-1 M B: the displacement in c that the inertia of an acceleration d2c/dtau2 makes at rest, 1 for the first mode."""
+    basis = np.eye(structure.mass.shape[0]) if chosen.basis is None else chosen.basis
+    return chosen.rate**2 * basis.T @ splu(structure.stiffness.tocsc()).solve(structure.mass @ basis)

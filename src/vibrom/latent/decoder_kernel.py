@@ -2,7 +2,7 @@
 
     V = dv/dz by d tangents carried along with the value;   decoder: (V'V)^-1 V' l,   decoder_mass: (V'MV)^-1 V' l,   encoder: w'(v(z)) l
 
-with the load l in network units, as `autoencoder_rom` has it. The Gram matrix is solved by Cholesky's method.
+with the load l in network units, as `autoencoder_rom` has it; beyond an edge v goes on along its tangent. The Gram matrix is solved by Cholesky's method.
 The exponential: e^a = 2^n e^(a - n ln 2), with ln 2 in two parts (Cody and Waite) and Taylor's series to degree 13 on |a - n ln 2| <= 0.35: 4e-18.
 """
 
@@ -114,21 +114,31 @@ def _network(numbers, first, index, layers, activation, channels, work, wide, be
         _multiply(numbers, at, rows, inputs, work, begin + c * wide, end + c * wide, wide, True)
 
 
+@njit(error_model="numpy")
+def _drawn_back(position, edge):
+    """`position` within -edge and edge; NaN stays."""
+    return positive(position - edge, fill(edge, WIDTH), positive(-edge - position, fill(-edge, WIDTH), position))
+
+
 @field_kernel
 def _force(z, numbers, index, work, out):
-    # index: d, k, rows of the widest layer, activation, rule (0 decoder, 1 decoder_mass, 2 encoder), where encoder, load and mass begin in numbers, where the
-    # encoder's sizes begin in index, then the decoder's. work: four blocks of an even number of channels, then the Gram matrix and its right side.
-    d, k, wide, activation, rule, encoder, load_at, mass_at, encoder_layers, decoder_layers = (
-        index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7], index[8], 9)
+    # index: d, k, rows of the widest layer, activation, rule (0 decoder, 1 decoder_mass, 2 encoder), where encoder, load, edge and mass begin in numbers, where
+    # the encoder's sizes begin in index, then the decoder's. work: four blocks of an even number of channels, then the Gram matrix and its right side.
+    d, k, wide, activation, rule, encoder, load_at, edge_at, mass_at, encoder_layers, decoder_layers = (
+        index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7], index[8], index[9], 10)
     channels = 2 + 2 * (d // 2)  # the value and d tangents, made even by a zero
     begin, back, one, two, gram = 0, channels * wide, 2 * channels * wide, 3 * channels * wide, 4 * channels * wide
     right = gram + d * d
     for i in range(d):
-        store(work, begin + i, load(z, i, WIDTH))
+        store(work, begin + i, _drawn_back(load(z, i, WIDTH), numbers[edge_at + i]))
         for axis in range(channels - 1):
             store(work, begin + (1 + axis) * wide + i, fill(1.0 if i == axis else 0.0, WIDTH))
     _network(numbers, 0, index, decoder_layers, activation, channels, work, wide, begin, back, one, two)
     if rule == 2:
+        for a in range(d):
+            beyond = load(z, a, WIDTH) - _drawn_back(load(z, a, WIDTH), numbers[edge_at + a])
+            for i in range(k):
+                store(work, back + i, load(work, back + i, WIDTH) + beyond * load(work, back + (1 + a) * wide + i, WIDTH))
         for i in range(k):
             store(work, back + wide + i, fill(numbers[load_at + i], WIDTH))
         _network(numbers, encoder, index, encoder_layers, activation, 2, work, wide, back, begin, one, two)
@@ -172,15 +182,17 @@ def _force(z, numbers, index, work, out):
 
 
 def force_kernel(encoder: list[np.ndarray], decoder: list[np.ndarray], encoder_linear: np.ndarray, decoder_linear: np.ndarray, activation: str, load: np.ndarray,
-                 rule: str, mass: np.ndarray | None) -> Kernel:
-    """The force map of these layers, straight parts and load, all in network units; `mass` (k, k) for the rule decoder_mass."""
+                 rule: str, mass: np.ndarray | None, edge: np.ndarray) -> Kernel:
+    """The force map of these layers, straight parts and load, all in network units; `mass` (k, k) for the rule decoder_mass; beyond `edge` (d,)
+    the decoder goes on along its tangent."""
     networks = [[_in_fours(weights) for weights in part] for part in ([*decoder, decoder_linear], [*encoder, encoder_linear])]
     sizes = [[len(part) - 1, *(size for weights in part[:-1] for size in weights.shape[::-1])] for part in networks]
-    parts = [*networks[0], *networks[1], load, *([] if mass is None else [_in_fours(mass)])]
+    parts = [*networks[0], *networks[1], load, edge, *([] if mass is None else [_in_fours(mass)])]
     begins = np.cumsum([0] + [part.size for part in parts])
     at_encoder, at_load = len(networks[0]), len(networks[0]) + len(networks[1])
     d, k, wide = decoder_linear.shape[1], len(decoder_linear), max(len(part) for part in parts if part.ndim == 2)
-    index = [d, k, wide, ACTIVATIONS.index(activation), RULES.index(rule), begins[at_encoder], begins[at_load], begins[at_load + 1], 9 + len(sizes[0]), *sizes[0], *sizes[1]]
+    places = begins[[at_encoder, at_load, at_load + 1, at_load + 2]]
+    index = [d, k, wide, ACTIVATIONS.index(activation), RULES.index(rule), *places, 10 + len(sizes[0]), *sizes[0], *sizes[1]]
     rows = 4 * (2 + 2 * (d // 2)) * wide + d * d + d
     return Kernel(_force, np.concatenate([np.ravel(part) for part in parts]).astype(float), np.array(index, dtype=np.int64), rows)
 

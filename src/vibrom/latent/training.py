@@ -1,8 +1,8 @@
 """The training loop of the autoencoders.
 
-    L = |c - v(w(c))|^2 + l1 |c'' - d2/dtau2 v(z)|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f = R0 (z, z') + Xi Theta(z, z')
+    L = |c - v(w(c))|^2 + l1 |G (c'' - d2/dtau2 v(z))|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f = R0 (z, z') + Xi Theta(z, z')
 
-means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. All that is learnt is one vector,
+means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. G is one where no norm is given. All that is learnt is one vector,
 so that a checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched between two rows of the history.
 """
 
@@ -27,7 +27,8 @@ CHECKPOINT_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Dynamics:
-    """R0 (d, 2d) or None, exponents (l, 2d) of Theta, first value of Xi, how much faster than weights it moves, and the weights of the losses."""
+    """R0 (d, 2d) or None, exponents (l, 2d) of Theta, first value of Xi, how much faster than weights it moves, the weights of the losses, and G (k, k) or
+    None."""
 
     linear: np.ndarray | None
     powers: np.ndarray
@@ -36,6 +37,7 @@ class Dynamics:
     full: float
     reduced: float
     sparsity: float
+    norm: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,7 @@ class Learner:
         if dynamics:
             parts.append(torch.full((autoencoder.sizes[-1], len(dynamics.powers)), dynamics.initial / dynamics.gain, dtype=torch.float64))
             self.linear = None if dynamics.linear is None else torch.tensor(dynamics.linear, dtype=dtype, device=device)
+            self.norm = None if dynamics.norm is None else torch.tensor(dynamics.norm, dtype=dtype, device=device)
             self.polynomial = Polynomial(dynamics.powers, device)
         self.shapes = [part.shape for part in parts]
         self.vector = torch.cat([part.flatten() for part in parts]).to(dtype=dtype, device=device)
@@ -124,6 +127,8 @@ class Learner:
         motion = torch.stack([z[0], z[1], model])
         back, again = self.autoencoder.decode(motion, self.parts)
         error, apart = back.sub_(c), z[2] - model
+        if self.norm is not None:
+            error[2] = error[2] @ self.norm.T
         means = torch.stack([mean_square(error[0]), mean_square(error[2]), mean_square(apart)])
         total = means[0] + dynamics.full * means[1] + dynamics.reduced * means[2]
         if dynamics.sparsity:
@@ -132,6 +137,8 @@ class Learner:
             error[0].mul_(twice)
             error[1].zero_()  # no term asks for velocities
             error[2].mul_(twice * dynamics.full)
+            if self.norm is not None:
+                error[2] = error[2] @ self.norm
             g = self.autoencoder.decode_backward(error, motion, self.parts, again, self.slopes)
             apart.mul_(twice * dynamics.reduced)
             to_model = g[2] - apart

@@ -16,6 +16,7 @@ from vibrom.rom import Training
 @dataclass(frozen=True)
 class DecoupledAutoencoder(AutoencoderMethod):
     epochs: int = 350
+    amplitude_power: float = -0.25  # of a sample's weight in the least squares
 
     def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
-        return fit_first_order(motion, self.order, None)
+        return fit_first_order(motion, self.order, None, self.amplitude_power)

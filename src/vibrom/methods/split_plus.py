@@ -2,7 +2,7 @@
 
     d/dt (z, z') = R0 (z, z') + R Phi(z, z')
 
-R0 is the known linear part, Phi the monomials 2..p, and R comes by least squares from the encoded motion.
+R0 is the known linear part, Phi the monomials 2..p, and R comes by least squares from the encoded motion, every amplitude alike (`amplitude_power`).
 """
 
 from dataclasses import dataclass, replace
@@ -17,6 +17,7 @@ from vibrom.rom import Method, MethodError, Training
 class SplitPlus(Method):
     order: int = 3  # p
     force_rule: str = "decoder"
+    amplitude_power: float = -1.0  # of a sample's weight
 
     def __post_init__(self) -> None:
         if self.force_rule not in RULES:
@@ -30,5 +31,5 @@ class SplitPlus(Method):
             raise MethodError(f"split_plus starts from a fitted autoencoder, and was given {type(start).__name__}; set starts_from: split")
         with training.monitor.phase("dynamics"):
             linear = linear_dynamics(training.require_structure("split_plus"), start.latent, float(start.rate))
-            coefficients = fit_first_order(scaled_motion(start, training), self.order, linear)
+            coefficients = fit_first_order(scaled_motion(start, training), self.order, linear, self.amplitude_power)
         return replace(start, coefficients=coefficients, order=self.order, force_rule=self.force_rule)
