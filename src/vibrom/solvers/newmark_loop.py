@@ -16,8 +16,11 @@ from vibrom.term import FORCE, TANGENT
 
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
 _i1, _i2 = types.int64[::1], types.int64[:, ::1]
-_MULTIPLY = types.FunctionType(types.void(_f2, _f2, _f2))
-_BOTH = types.FunctionType(types.void(_f2, _f2, _f2, _f2, _f2))
+_MULTIPLY = types.FunctionType(types.void(_f2, _i2, _f2, _f2))
+_BOTH = types.FunctionType(types.void(_f2, _f2, _i2, _f2, _f2, _f2, _f2))
+_matrix = types.Tuple((_f2, _i2))
+_pair = types.Tuple((_f2, _f2, _i2))
+_COMBINE = types.FunctionType(types.void(_f3, _f2, _f3))
 _FACTORISE = types.FunctionType(types.void(_f3))
 _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
@@ -30,11 +33,11 @@ def newmark_loop(width: int, forces: int):
         return types.UniTuple(item, forces) if forces else types.Tuple(())
 
     signature = types.int64(
-        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _f2, _f2, _f2, _f3, _f3, _MULTIPLY, _BOTH, _FACTORISE, _SOLVE,
+        _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _matrix, _matrix, _matrix, _pair, _f3, _f2, _f3, _MULTIPLY, _BOTH, _COMBINE, _FACTORISE, _SOLVE,
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, base, factor, multiply_add, multiply_add_both, factorise, solve,
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, mass_stiffness, parts, scales, factor, multiply_add, multiply_add_both, combine, factorise, solve,
              force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
@@ -43,12 +46,15 @@ def newmark_loop(width: int, forces: int):
         gamma, beta, tolerance, patience, rate = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
-        r, f, inertial, linear, bent = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        r, f, inertial, linear = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
+        by_mass, by_stiffness = np.empty((1, width)), np.empty((1, width))
         plain_q, plain_v = np.empty((n, width)), np.empty((n, width))
         norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         hs = load(h, 0, width)
         by_q, by_v = beta * hs * hs, gamma * hs
+        store(by_mass, 0, 1.0 + rate * by_v)
+        store(by_stiffness, 0, by_q)
         values = factor.reshape(factor.shape[0] * factor.shape[1], width)
         stored = 0
         for step in range(first, last + 1):
@@ -77,27 +83,17 @@ def newmark_loop(width: int, forces: int):
                             if nonlinear:
                                 for i in range(n):
                                     store(r, i, load(a, i, width) + rate * load(v, i, width))
-                                multiply_add(mass, r, inertial)
-                            if damping.size > 0 and stiffness.size > 0 and not nonlinear:
-                                multiply_add_both(damping, stiffness, v, q, linear)
-                            else:
-                                if damping.size > 0:
-                                    multiply_add(damping, v, inertial)
-                                if stiffness.size > 0:
-                                    multiply_add(stiffness, q, linear)
+                                multiply_add(mass[0], mass[1], r, inertial)
+                            if damping[0].size > 0:
+                                multiply_add(damping[0], damping[1], v, inertial)
+                            if stiffness[0].size > 0:
+                                multiply_add(stiffness[0], stiffness[1], q, linear)
                         else:
-                            for i in range(n):
-                                change = load(r, i, width)
-                                store(r, i, (1.0 + rate * by_v) * change)
-                                store(bent, i, by_q * change)
-                                if damping.size > 0:
-                                    store(inertial, i, by_v * change)
-                            if damping.size > 0:
-                                multiply_add(damping, inertial, linear)
-                            if stiffness.size > 0:
-                                multiply_add_both(mass, stiffness, r, bent, linear)
-                            else:
-                                multiply_add(mass, r, linear)
+                            multiply_add_both(mass_stiffness[0], mass_stiffness[1], mass_stiffness[2], by_mass, by_stiffness, r, linear)
+                            if damping[0].size > 0:
+                                for i in range(n):
+                                    store(inertial, i, by_v * load(r, i, width))
+                                multiply_add(damping[0], damping[1], inertial, linear)
                         f[:] = 0.0
                         if nonlinear:
                             for k in range(forces):
@@ -134,7 +130,7 @@ def newmark_loop(width: int, forces: int):
                             if iteration == max_iterations:
                                 break
                             if slow or counts[2] == 0:
-                                factor[:] = base
+                                combine(parts, scales, factor)
                                 for k in range(forces):
                                     tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
                                 factorise(factor)
