@@ -13,7 +13,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from vibrom.lanes import WIDTH, entry, fill, load, store
+from vibrom.lanes import WIDTH, entry, fill, load, room, store
 from vibrom.space import Space
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
@@ -56,7 +56,7 @@ def _force(shapes: int, points: int, states: int):
 
     @force_kernel
     def force(q, v, dofs, table, f):
-        u, g = np.empty((2 * shapes, width)), np.empty((2 * shapes, width))
+        u, g = room(2 * shapes, width), room(2 * shapes, width)
         for e in range(0, dofs.shape[0], together):
             for a in range(2 * shapes):
                 if states == 1:
@@ -111,7 +111,7 @@ def _tangent(shapes: int, points: int, states: int):
 
     @tangent_kernel
     def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
-        u, ke = np.empty((2 * shapes, width)), np.empty((entries, width))
+        u, ke = room(2 * shapes, width), room(entries, width)
         for e in range(0, dofs.shape[0], together):
             for a in range(2 * shapes):
                 if states == 1:

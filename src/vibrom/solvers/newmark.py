@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from vibrom.lanes import room
 from vibrom.solvers import banded, sparse
 from vibrom.solvers.newmark_loop import newmark_loop
 from vibrom.term import Term
@@ -110,7 +111,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     rate = _mass_rate(term) if kernels else 0.0
     linear = [(part, scale) for part, scale in ((term.mass, np.ones(width)), (term.damping, gamma * h), (term.stiffness, beta * h**2)) if part is not None]
     parts, scales = np.stack([banded.to_band(part, half) for part, _ in linear]), np.stack([scale for _, scale in linear])
-    factor = np.empty((n, half + 1, width))
+    factor = room(n * (half + 1), width).reshape(n, half + 1, width)
     load, dead = (np.zeros(n) if part is None else np.ascontiguousarray(part) for part in (term.load, term.dead_load))
     a = np.zeros_like(q)
     if initial == "equilibrium":
@@ -127,7 +128,8 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     if not kernels:
         combine(parts, scales, factor)
         factorise(factor)
-    state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
+    state = room(6 * n, width).reshape(6, n, width)
+    state[:] = q, v, a, a, a, a  # displacement, velocity, acceleration now and at the three steps before
     dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
     slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)

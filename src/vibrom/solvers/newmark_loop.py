@@ -11,7 +11,7 @@ import numpy as np
 from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from vibrom.lanes import fill, kernel, load, sqrt, store
+from vibrom.lanes import fill, kernel, load, room, sqrt, store
 from vibrom.term import FORCE, TANGENT
 
 _f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
@@ -46,10 +46,10 @@ def newmark_loop(width: int, forces: int):
         gamma, beta, tolerance, patience, rate = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]
         n = state.shape[1]
         q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
-        r, f, inertial, linear = np.empty((n, width)), np.empty((n, width)), np.empty((n, width)), np.empty((n, width))
-        by_mass, by_stiffness = np.empty((1, width)), np.empty((1, width))
-        plain_q, plain_v = np.empty((n, width)), np.empty((n, width))
-        norm, scale, previous = np.empty((1, width)), np.empty((1, width)), np.empty(width)
+        r, f, inertial, linear = room(n, width), room(n, width), room(n, width), room(n, width)
+        by_mass, by_stiffness = room(1, width), room(1, width)
+        plain_q, plain_v = room(n, width), room(n, width)
+        norm, scale, previous = room(1, width), room(1, width), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         hs = load(h, 0, width)
         by_q, by_v = beta * hs * hs, gamma * hs
