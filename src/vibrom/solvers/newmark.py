@@ -21,7 +21,8 @@ import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from vibrom.lanes import room
-from vibrom.solvers import banded, sparse
+from vibrom.solvers import banded, blocks, sparse
+from vibrom.solvers.linear_loop import linear_loop
 from vibrom.solvers.newmark_loop import newmark_loop
 from vibrom.term import Term
 
@@ -105,10 +106,10 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     n, width = q.shape
     multiply_add, multiply_add_both, combine, factorise, solve = banded.kernels(width)
     kernels = [force.kernels(width) for force in term.forces]
-    loop = newmark_loop(width, len(kernels))
+    loop = newmark_loop(width, len(kernels)) if kernels else linear_loop(width)
     started = time.perf_counter()
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
-    rate = _mass_rate(term) if kernels else 0.0
+    rate = _mass_rate(term)
     linear = [(part, scale) for part, scale in ((term.mass, np.ones(width)), (term.damping, gamma * h), (term.stiffness, beta * h**2)) if part is not None]
     parts, scales = np.stack([banded.to_band(part, half) for part, _ in linear]), np.stack([scale for _, scale in linear])
     factor = room(n * (half + 1), width).reshape(n, half + 1, width)
@@ -123,17 +124,31 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         combine(parts[:1], scales[:1], factor)
         factorise(factor)
         solve(factor, a)
-    products = [banded.product_form([] if part is None else [part], width) for part in (term.mass, None if rate else term.damping, term.stiffness)]
-    both = banded.product_form([term.mass, 0.0 * term.mass if term.stiffness is None else term.stiffness], width)
-    if not kernels:
-        combine(parts, scales, factor)
-        factorise(factor)
     state = room(6 * n, width).reshape(6, n, width)
     state[:] = q, v, a, a, a, a  # displacement, velocity, acceleration now and at the three steps before
-    dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
-    slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
-    numbers = np.array([gamma, beta, settings.tolerance, settings.patience, rate])
+    mass, damping = (banded.product_form([] if part is None else [part], width) for part in (term.mass, None if rate else term.damping))
+    if kernels:
+        stiffness = banded.product_form([] if term.stiffness is None else [term.stiffness], width)
+        both = banded.product_form([term.mass, 0.0 * term.mass if term.stiffness is None else term.stiffness], width)
+        numbers = np.array([gamma, beta, settings.tolerance, settings.patience, rate])
+        slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
+        forces = (*(tuple(part) for part in zip(*kernels)), tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces), slots)
+
+        def advance(first, last, *kept):
+            return loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, mass, damping, stiffness, both, parts, scales, factor,
+                        multiply_add, multiply_add_both, combine, factorise, solve, *forces, failed, counts, *kept)
+    else:
+        combine(parts, scales, factor)
+        if width == 1:
+            factor, solve = blocks.factorise(factor[:, :, 0]), blocks.solve
+        else:
+            factorise(factor)
+
+        def advance(first, last, *kept):
+            counts[0] += last - first
+            return loop(state, h, np.array([gamma, beta, rate]), first, last, signal, load, dead, mass, damping, factor, multiply_add, solve, failed, *kept)
+
     live = where.stop - where.start
     steps, chunk = len(signal) - 1, 2000
     stores = [np.zeros((chunk // record.every + 2, n, width)) for _ in range(3)]
@@ -142,9 +157,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         last = min(first + chunk, steps)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
-            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, *products, both, parts, scales, factor,
-                          multiply_add, multiply_add_both, combine, factorise, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
-                          failed, counts, record.every, record.start, record.probes, *stores, probe_store)
+            stored = advance(first, last, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
         for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):
             target[where, begin:begin + stored] = store[:stored, :, :live].transpose(2, 0, 1)

@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 from numba import types
 from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.extending import register_jitable
 
 from vibrom.lanes import fill, kernel, load, room, sqrt, store
 from vibrom.term import FORCE, TANGENT
@@ -25,12 +26,24 @@ _FACTORISE = types.FunctionType(types.void(_f3))
 _SOLVE = types.FunctionType(types.void(_f3, _f2))
 
 
+@register_jitable
+def keep(step, first, every, start, probes, q, v, a, stored, store_q, store_v, store_a, store_probe):
+    """Stores what is wanted of this step; how many records there then are. The step that a chunk begins with belongs to the chunk before."""
+    if step == first and first > 0:
+        return stored
+    for k in range(probes.shape[0]):
+        for w in range(q.shape[1]):
+            store_probe[step - first, k, w] = q[probes[k], w]
+    if step < start or (step - start) % every:
+        return stored
+    store_q[stored], store_v[stored], store_a[stored] = q, v, a
+    return stored + 1
+
+
 @cache
 def newmark_loop(width: int, forces: int):
-    nonlinear = forces > 0  # a constant of the compilation: the other branch is not even typed
-
     def each(item):
-        return types.UniTuple(item, forces) if forces else types.Tuple(())
+        return types.UniTuple(item, forces)
 
     signature = types.int64(
         _f3, _f1, _f1, types.int64, types.int64, types.int64, _f2, _f1, _f1, _matrix, _matrix, _matrix, _pair, _f3, _f2, _f3, _MULTIPLY, _BOTH, _COMBINE, _FACTORISE, _SOLVE,
@@ -64,7 +77,7 @@ def newmark_loop(width: int, forces: int):
                     here, old, third = load(v, i, width), load(a, i, width), load(earlier, i, width)
                     # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
                     # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
-                    guess = 2.0 * (old - third) + load(oldest, i, width) if nonlinear else fill(0.0, width)
+                    guess = 2.0 * (old - third) + load(oldest, i, width)
                     ahead, faster = load(q, i, width) + hs * (here + hs * (0.5 - beta) * old), here + hs * (1.0 - gamma) * old
                     store(q, i, ahead + by_q * guess)
                     store(v, i, faster + by_v * guess)
@@ -80,10 +93,9 @@ def newmark_loop(width: int, forces: int):
                         # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
                         if iteration == 0:
                             inertial[:], linear[:] = 0.0, 0.0
-                            if nonlinear:
-                                for i in range(n):
-                                    store(r, i, load(a, i, width) + rate * load(v, i, width))
-                                multiply_add(mass[0], mass[1], r, inertial)
+                            for i in range(n):
+                                store(r, i, load(a, i, width) + rate * load(v, i, width))
+                            multiply_add(mass[0], mass[1], r, inertial)
                             if damping[0].size > 0:
                                 multiply_add(damping[0], damping[1], v, inertial)
                             if stiffness[0].size > 0:
@@ -95,51 +107,46 @@ def newmark_loop(width: int, forces: int):
                                     store(inertial, i, by_v * load(r, i, width))
                                 multiply_add(damping[0], damping[1], inertial, linear)
                         f[:] = 0.0
-                        if nonlinear:
+                        for k in range(forces):
+                            force_kernels[k](q, v, dofs[k], tables[k], f)
+                        slow = False
+                        done = True
+                        if iteration == 0:
+                            bodies = springs = loads = fill(0.0, width)
+                            for i in range(n):
+                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
+                                store(linear, i, spring + body)
+                                spring += load(f, i, width)
+                                bodies += body * body
+                                springs += spring * spring
+                                loads += p * p
+                            store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
+                        squares = fill(0.0, width)
+                        for i in range(n):
+                            residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
+                            store(r, i, residual)
+                            squares += residual * residual
+                        store(norm, 0, sqrt(squares))
+                        for w in range(width):
+                            if failed[w] >= 0:
+                                continue
+                            if not norm[0, w] <= tolerance * scale[0, w]:
+                                done = False
+                                if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
+                                    slow = True
+                            previous[w] = norm[0, w]
+                        # The guess alone is an explicit step: at least one solve makes it implicit.
+                        if done and iteration > 0:
+                            break
+                        if iteration == max_iterations:
+                            break
+                        if slow or counts[2] == 0:
+                            combine(parts, scales, factor)
                             for k in range(forces):
-                                force_kernels[k](q, v, dofs[k], tables[k], f)
-                            slow = False
-                            done = True
-                            if iteration == 0:
-                                bodies = springs = loads = fill(0.0, width)
-                                for i in range(n):
-                                    body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
-                                    store(linear, i, spring + body)
-                                    spring += load(f, i, width)
-                                    bodies += body * body
-                                    springs += spring * spring
-                                    loads += p * p
-                                store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
-                            squares = fill(0.0, width)
-                            for i in range(n):
-                                residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
-                                store(r, i, residual)
-                                squares += residual * residual
-                            store(norm, 0, sqrt(squares))
-                            for w in range(width):
-                                if failed[w] >= 0:
-                                    continue
-                                if not norm[0, w] <= tolerance * scale[0, w]:
-                                    done = False
-                                    if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
-                                        slow = True
-                                previous[w] = norm[0, w]
-                            # The guess alone is an explicit step: at least one solve makes it implicit.
-                            if done and iteration > 0:
-                                break
-                            if iteration == max_iterations:
-                                break
-                            if slow or counts[2] == 0:
-                                combine(parts, scales, factor)
-                                for k in range(forces):
-                                    tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
-                                factorise(factor)
-                                counts[1] += 1
-                                counts[2] = 1
-                        else:
-                            for i in range(n):
-                                store(r, i, shape[i] * u + dead[i] - load(inertial, i, width) - load(linear, i, width))
-                            done = True
+                                tangent_kernels[k](q, v, dofs[k], tables[k], slots[k], scale_q, scale_v, values)
+                            factorise(factor)
+                            counts[1] += 1
+                            counts[2] = 1
                         solve(factor, r)
                         counts[0] += 1
                         for i in range(n):
@@ -147,11 +154,9 @@ def newmark_loop(width: int, forces: int):
                             store(a, i, load(a, i, width) + change)
                             store(v, i, load(v, i, width) + by_v * change)
                             store(q, i, load(q, i, width) + by_q * change)
-                        if not nonlinear:
-                            break
                     # Far from equilibrium the guess may lie where Newton's iteration does not find back: once more, without acceleration.
                     again = False
-                    if nonlinear and not done and attempt == 0:
+                    if not done and attempt == 0:
                         for w in range(width):
                             if failed[w] < 0 and not norm[0, w] <= tolerance * scale[0, w]:
                                 again = True
@@ -161,19 +166,13 @@ def newmark_loop(width: int, forces: int):
                         break
                     counts[2] = 0
                 for w in range(width):
-                    if failed[w] < 0 and ((nonlinear and not norm[0, w] <= tolerance * scale[0, w]) or not np.isfinite(a[0, w])):
+                    if failed[w] < 0 and not (norm[0, w] <= tolerance * scale[0, w] and np.isfinite(a[0, w])):
                         failed[w] = step
                         counts[2] = 0
                     if failed[w] >= 0:  # at rest from here on: it costs no iterations and cannot overflow
                         for i in range(n):
                             q[i, w] = v[i, w] = a[i, w] = before[i, w] = earlier[i, w] = oldest[i, w] = 0.0
-            if step > first or first == 0:
-                if step >= start and (step - start) % every == 0:
-                    store_q[stored], store_v[stored], store_a[stored] = q, v, a
-                    stored += 1
-                for k in range(probes.shape[0]):
-                    for w in range(width):
-                        store_probe[step - first, k, w] = q[probes[k], w]
+            stored = keep(step, first, every, start, probes, q, v, a, stored, store_q, store_v, store_a, store_probe)
         return stored
 
     with warnings.catch_warnings():
