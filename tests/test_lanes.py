@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from vibrom.lanes import WIDTH, cut, entry, fill, floor, load, paste, positive, power_of_two, sqrt, store
+from vibrom.lanes import WIDTH, cut, entry, fill, floor, load, paste, positive, power_of_two, room, sqrt, store
 
 
 def evaluate(width, function, *rows):
@@ -100,6 +100,13 @@ def test_lanes_from_any_place():
     np.testing.assert_array_equal(x, [0, 1, 2, 1, 2, 3, 4, 7, 8])
 
 
+@pytest.mark.parametrize("make", [room, njit(lambda rows, width: room(rows, width))])
+def test_rooms_begin_at_a_cache_line(make):
+    rooms = [make(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
+    assert all(one.ctypes.data % 64 == 0 and one.flags.c_contiguous for one in rooms)
+    assert [one.shape for one in rooms] == [(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
+
+
 def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
     @njit
     def mixed(x):
@@ -124,7 +131,7 @@ def test_specialisations_of_several_processes_are_told_apart(tmp_path):
             "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"  # as the time loop calls it
             "for width in map(int, sys.argv[1:]):\n"
             "    matrix = np.full((5, 1, width), 4.0)\n"
-            "    call(kernels(width)[2], matrix)\n"
+            "    call(kernels(width)[3], matrix)\n"
             "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)")
     for widths in ("3", "2", "2 3 2"):
         subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})

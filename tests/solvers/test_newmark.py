@@ -130,6 +130,33 @@ def test_sparse_equals_banded(stiffness_factor, cantilever):
     assert sparse.outcomes == ["ok"]
 
 
+@pytest.mark.parametrize("states", [1, 4])
+@pytest.mark.parametrize("damping", [{}, {"damping_ratio": 0.01}, {"damping_ratio": 0.01, "stiffness_factor": 1e-5}])
+def test_linear_steps_in_displacements_are_those_in_accelerations(damping, states, cantilever):
+    """Forced, under gravity, from a moving start; each state with a step of its own. The stiffness is rounded once more, which moves the first frequency by
+    (omega_n / omega_1)^2 eps, 1e-8."""
+    made, _ = cantilever
+    term = effects.assemble(made, {**LINEAR, **({"rayleigh_damping": damping} if damping else {}), "modal_load": {"mode": 1}, "gravity": {"x": 0.0, "y": -9.81}})
+    signal = 3000 * np.sin(2 * np.pi * np.arange(301)[:, None] / 250 + np.arange(states))
+    steps, rest = 2 * np.pi / 398.0325 / np.linspace(250, 1000, states), np.zeros((made.size, states))
+    speed = np.outer(made.dof_location[:, 0], np.ones(states))
+    motion = Newmark(alpha=0.005).run(term, rest, steps, 300, velocity=speed, signal=signal)
+    mass, stiffness = term.mass.toarray(), term.stiffness.toarray()
+    drag = np.zeros_like(mass) if term.damping is None else term.damping.toarray()
+    gamma, beta = 0.505, 0.25 * 1.005**2
+    for w, h in enumerate(steps):
+        force = np.outer(signal[:, w], term.load) + term.dead_load
+        operator = np.linalg.inv(mass + gamma * h * drag + beta * h**2 * stiffness)
+        q, v = rest[:, w], speed[:, w]
+        a = np.linalg.solve(mass, force[0] - drag @ v)
+        for p in force[1:]:
+            q, v = q + h * v + h**2 * (0.5 - beta) * a, v + h * (1 - gamma) * a
+            a = operator @ (p - drag @ v - stiffness @ q)
+            q, v = q + beta * h**2 * a, v + gamma * h * a
+        for ours, theirs, digits in zip((motion.displacement, motion.velocity, motion.acceleration), (q, v, a), (1e-7, 1e-7, 1e-6)):
+            assert np.abs(ours[w, -1] - theirs).max() <= digits * np.abs(theirs).max()
+
+
 def test_equilibrium_gives_the_initial_acceleration(cantilever):
     made, term = cantilever
     start = np.random.default_rng(0).standard_normal((made.size, 1)) * 1e-3
