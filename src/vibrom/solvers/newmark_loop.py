@@ -40,6 +40,73 @@ def keep(step, first, every, start, probes, q, v, a, stored, store_q, store_v, s
     return stored + 1
 
 
+@register_jitable
+def predict(q, v, a, past, plain_q, plain_v, hs, gamma, beta, width):
+    """The first guess of the next step; `plain_q` and `plain_v` are the step without an acceleration at its end."""
+    for i in range(q.shape[0]):
+        here, old, third = load(v, i, width), load(a, i, width), load(past[1], i, width)
+        # Exact for a parabola, and for the alternation of sign that Newmark leaves in modes far beyond the step:
+        # (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
+        guess = 2.0 * (old - third) + load(past[2], i, width)
+        ahead, faster = load(q, i, width) + hs * (here + hs * (0.5 - beta) * old), here + hs * (1.0 - gamma) * old
+        store(q, i, ahead + beta * hs * hs * guess)
+        store(v, i, faster + gamma * hs * guess)
+        store(plain_q, i, ahead)
+        store(plain_v, i, faster)
+        store(past[2], i, third)
+        store(past[1], i, load(past[0], i, width))
+        store(past[0], i, old)
+        store(a, i, guess)
+
+
+@register_jitable
+def add_up(inertial, linear, f, shape, u, dead, scale, width):
+    """|M a + C v| + |K q + f| + |p u + p_0|, the scale of a step's residual; `linear` becomes all that is linear."""
+    bodies = springs = loads = fill(0.0, width)
+    for i in range(f.shape[0]):
+        body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
+        store(linear, i, spring + body)
+        spring += load(f, i, width)
+        bodies += body * body
+        springs += spring * spring
+        loads += p * p
+    store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
+
+
+@register_jitable
+def subtract(linear, f, shape, u, dead, r, norm, width):
+    """The residual r and its norm."""
+    squares = fill(0.0, width)
+    for i in range(f.shape[0]):
+        residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
+        store(r, i, residual)
+        squares += residual * residual
+    store(norm, 0, sqrt(squares))
+
+
+@register_jitable
+def judge(norm, previous, scale, failed, tolerance, patience, first):
+    """(all have converged, one would need more than `patience` further iterations, each as good as the last)."""
+    done, slow = True, False
+    for w in range(len(failed)):
+        if failed[w] < 0:
+            if not norm[0, w] <= tolerance * scale[0, w]:
+                done = False
+                if not first and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
+                    slow = True
+            previous[w] = norm[0, w]
+    return done, slow
+
+
+@register_jitable
+def correct(q, v, a, r, by_q, by_v, width):
+    for i in range(q.shape[0]):
+        change = load(r, i, width)
+        store(a, i, load(a, i, width) + change)
+        store(v, i, load(v, i, width) + by_v * change)
+        store(q, i, load(q, i, width) + by_q * change)
+
+
 @cache
 def newmark_loop(width: int, forces: int):
     def each(item):
@@ -50,19 +117,19 @@ def newmark_loop(width: int, forces: int):
         each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)), each(_i2), each(_f2), each(_i2),
         _i1, _i1, types.int64, types.int64, _i1, _f3, _f3, _f3, _f3)
 
-    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, mass_stiffness, parts, scales, factor, multiply_add, multiply_add_both, combine, factorise, solve,
-             force_kernels, tangent_kernels, dofs, tables, slots, failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
+    def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, mass_stiffness, parts, scales, factor,
+             multiply_add, multiply_add_both, combine, factorise, solve, force_kernels, tangent_kernels, dofs, tables, slots,
+             failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
         """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
 
         `failed` holds the step at which each state stopped converging (-1: none); `counts` iterations, factorisations, whether a factor exists.
         """
         gamma, beta, tolerance, patience, rate = numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]
         n = state.shape[1]
-        q, v, a, before, earlier, oldest = state[0], state[1], state[2], state[3], state[4], state[5]
+        q, v, a, past = state[0], state[1], state[2], state[3:]
         r, f, inertial, linear = room(n, width), room(n, width), room(n, width), room(n, width)
-        by_mass, by_stiffness = room(1, width), room(1, width)
         plain_q, plain_v = room(n, width), room(n, width)
-        norm, scale, previous = room(1, width), room(1, width), np.empty(width)
+        by_mass, by_stiffness, norm, scale, previous = room(1, width), room(1, width), room(1, width), room(1, width), np.empty(width)
         scale_q, scale_v = beta * h * h, gamma * h
         hs = load(h, 0, width)
         by_q, by_v = beta * hs * hs, gamma * hs
@@ -73,22 +140,8 @@ def newmark_loop(width: int, forces: int):
         for step in range(first, last + 1):
             if step > first:
                 u = load(signal, step, width)
-                for i in range(n):
-                    here, old, third = load(v, i, width), load(a, i, width), load(earlier, i, width)
-                    # The guess is exact for a parabola, and for the alternation of sign that Newmark leaves in modes far
-                    # beyond the step: (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
-                    guess = 2.0 * (old - third) + load(oldest, i, width)
-                    ahead, faster = load(q, i, width) + hs * (here + hs * (0.5 - beta) * old), here + hs * (1.0 - gamma) * old
-                    store(q, i, ahead + by_q * guess)
-                    store(v, i, faster + by_v * guess)
-                    store(plain_q, i, ahead)
-                    store(plain_v, i, faster)
-                    store(oldest, i, third)
-                    store(earlier, i, load(before, i, width))
-                    store(before, i, old)
-                    store(a, i, guess)
+                predict(q, v, a, past, plain_q, plain_v, hs, gamma, beta, width)
                 for attempt in range(2):
-                    done = False
                     for iteration in range(max_iterations + 1):
                         # What is linear is evaluated once a step and then follows the corrections, which the solve left in r.
                         if iteration == 0:
@@ -109,36 +162,12 @@ def newmark_loop(width: int, forces: int):
                         f[:] = 0.0
                         for k in range(forces):
                             force_kernels[k](q, v, dofs[k], tables[k], f)
-                        slow = False
-                        done = True
                         if iteration == 0:
-                            bodies = springs = loads = fill(0.0, width)
-                            for i in range(n):
-                                body, spring, p = load(inertial, i, width), load(linear, i, width), shape[i] * u + dead[i]
-                                store(linear, i, spring + body)
-                                spring += load(f, i, width)
-                                bodies += body * body
-                                springs += spring * spring
-                                loads += p * p
-                            store(scale, 0, sqrt(bodies) + sqrt(springs) + sqrt(loads))
-                        squares = fill(0.0, width)
-                        for i in range(n):
-                            residual = shape[i] * u + dead[i] - load(linear, i, width) - load(f, i, width)
-                            store(r, i, residual)
-                            squares += residual * residual
-                        store(norm, 0, sqrt(squares))
-                        for w in range(width):
-                            if failed[w] >= 0:
-                                continue
-                            if not norm[0, w] <= tolerance * scale[0, w]:
-                                done = False
-                                if iteration > 0 and not norm[0, w] * (norm[0, w] / previous[w]) ** patience <= tolerance * scale[0, w]:
-                                    slow = True
-                            previous[w] = norm[0, w]
+                            add_up(inertial, linear, f, shape, u, dead, scale, width)
+                        subtract(linear, f, shape, u, dead, r, norm, width)
+                        done, slow = judge(norm, previous, scale, failed, tolerance, patience, iteration == 0)
                         # The guess alone is an explicit step: at least one solve makes it implicit.
-                        if done and iteration > 0:
-                            break
-                        if iteration == max_iterations:
+                        if (done and iteration > 0) or iteration == max_iterations:
                             break
                         if slow or counts[2] == 0:
                             combine(parts, scales, factor)
@@ -149,29 +178,20 @@ def newmark_loop(width: int, forces: int):
                             counts[2] = 1
                         solve(factor, r)
                         counts[0] += 1
-                        for i in range(n):
-                            change = load(r, i, width)
-                            store(a, i, load(a, i, width) + change)
-                            store(v, i, load(v, i, width) + by_v * change)
-                            store(q, i, load(q, i, width) + by_q * change)
-                    # Far from equilibrium the guess may lie where Newton's iteration does not find back: once more, without acceleration.
-                    again = False
-                    if not done and attempt == 0:
-                        for w in range(width):
-                            if failed[w] < 0 and not norm[0, w] <= tolerance * scale[0, w]:
-                                again = True
-                                for i in range(n):
-                                    a[i, w], v[i, w], q[i, w] = 0.0, plain_v[i, w], plain_q[i, w]
-                    if not again:
+                        correct(q, v, a, r, by_q, by_v, width)
+                    if done or attempt > 0:
                         break
+                    # Far from equilibrium the guess may lie where Newton's iteration does not find back: once more, without acceleration.
+                    for w in range(width):
+                        if failed[w] < 0 and not norm[0, w] <= tolerance * scale[0, w]:
+                            a[:, w], v[:, w], q[:, w] = 0.0, plain_v[:, w], plain_q[:, w]
                     counts[2] = 0
                 for w in range(width):
                     if failed[w] < 0 and not (norm[0, w] <= tolerance * scale[0, w] and np.isfinite(a[0, w])):
                         failed[w] = step
                         counts[2] = 0
                     if failed[w] >= 0:  # at rest from here on: it costs no iterations and cannot overflow
-                        for i in range(n):
-                            q[i, w] = v[i, w] = a[i, w] = before[i, w] = earlier[i, w] = oldest[i, w] = 0.0
+                        state[:, :, w] = 0.0
             stored = keep(step, first, every, start, probes, q, v, a, stored, store_q, store_v, store_a, store_probe)
         return stored
 
