@@ -2,7 +2,7 @@
 
     H = grad u,  F = I + H,  E = (H + H' + H'H)/2,  S = D : E,
     f_ai = b int (F S - D : eps)_iJ dN_a/dX_J dA,
-    df_ai/du_bj = b int [B_ai . D B_bj + delta_ij dN_a/dX . S dN_b/dX] dA - K_ai,bj,   B_ai = dE/du_ai in Voigt form.
+    df_ai/du_bj = b int dN_a/dX_J A_iJ,jL dN_b/dX_L dA - K_ai,bj,   A_iJ,jL = F_iI F_jK D_IJ,KL + delta_ij S_JL  (the first elasticity tensor).
 
 Source: Belytschko, Liu, Moran, Nonlinear Finite Elements for Continua and Structures, chapter 4. The linear part is taken out inside the integrand, so
 that small motions lose no digits. Kernels are compiled for a number of shape functions, quadrature points and states side by side.

@@ -124,8 +124,8 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         combine(parts[:1], scales[:1], factor)
         factorise(factor)
         solve(factor, a)
-    state = room(6 * n, width).reshape(6, n, width)
-    state[:] = q, v, a, a, a, a  # displacement, velocity, acceleration now and at the three steps before
+    state = room(7 * n, width).reshape(7, n, width)
+    state[:] = q, v, a, a, a, a, a  # displacement, velocity, acceleration now and at the four steps before
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
     mass, damping = (banded.product_form([] if part is None else [part], width) for part in (term.mass, None if rate else term.damping))
     if kernels:

@@ -44,17 +44,18 @@ def keep(step, first, every, start, probes, q, v, a, stored, store_q, store_v, s
 def predict(q, v, a, past, plain_q, plain_v, hs, gamma, beta, width):
     """The first guess of the next step; `plain_q` and `plain_v` are the step without an acceleration at its end."""
     for i in range(q.shape[0]):
-        here, old, third = load(v, i, width), load(a, i, width), load(past[1], i, width)
-        # Exact for a parabola, and for the alternation of sign that Newmark leaves in modes far beyond the step:
-        # (r - 1)^3 (r + 1) = r^4 - 2 r^3 + 2 r - 1.
-        guess = 2.0 * (old - third) + load(past[2], i, width)
+        here, old, one, two, three = load(v, i, width), load(a, i, width), load(past[0], i, width), load(past[1], i, width), load(past[2], i, width)
+        # Exact for a cubic, and for the alternation of sign that Newmark leaves in modes far beyond the step:
+        # (r - 1)^4 (r + 1) = r^5 - 3 r^4 + 2 r^3 + 2 r^2 - 3 r + 1.
+        guess = 3.0 * (old + three) - 2.0 * (one + two) - load(past[3], i, width)
         ahead, faster = load(q, i, width) + hs * (here + hs * (0.5 - beta) * old), here + hs * (1.0 - gamma) * old
         store(q, i, ahead + beta * hs * hs * guess)
         store(v, i, faster + gamma * hs * guess)
         store(plain_q, i, ahead)
         store(plain_v, i, faster)
-        store(past[2], i, third)
-        store(past[1], i, load(past[0], i, width))
+        store(past[3], i, three)
+        store(past[2], i, two)
+        store(past[1], i, one)
         store(past[0], i, old)
         store(a, i, guess)
 
@@ -120,7 +121,7 @@ def newmark_loop(width: int, forces: int):
     def loop(state, h, numbers, max_iterations, first, last, signal, shape, dead, mass, damping, stiffness, mass_stiffness, parts, scales, factor,
              multiply_add, multiply_add_both, combine, factorise, solve, force_kernels, tangent_kernels, dofs, tables, slots,
              failed, counts, every, start, probes, store_q, store_v, store_a, store_probe):
-        """Advance `state` (6, n, width) from step `first` to `last`; returns how many records were stored.
+        """Advance `state` (7, n, width) from step `first` to `last`; returns how many records were stored.
 
         `failed` holds the step at which each state stopped converging (-1: none); `counts` iterations, factorisations, whether a factor exists.
         """
