@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scenes import LINEAR, body
 from scipy.sparse import csr_matrix
 
+from vibrom import effects, space
 from vibrom.solvers import banded
 
 
@@ -29,6 +31,13 @@ def test_product_and_solve(width, n, half):
     b = x.copy()
     solve(factors, b)
     np.testing.assert_allclose(b * np.arange(1, width + 1.0), np.linalg.solve(full, x), rtol=1e-10)
+
+
+@pytest.mark.parametrize(("cells", "half"), [([40, 2], 9), ([9, 9], 2 * 11 + 1), ([2, 40], 7)])
+def test_bodies_are_narrow_bands(cells, half):
+    """A bilinear element reaches from one node of a line of k to the next but one of the next line: 2 (k + 1) + 1."""
+    made = space.build(body(cells=cells))
+    assert banded.half_bandwidth(effects.assemble(made, LINEAR).stiffness) == half
 
 
 def test_indefinite_matrices_are_solved_and_singular_ones_spoil_no_other():

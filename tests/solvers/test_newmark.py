@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from numba import njit
 from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
 
 from vibrom import effects, space
+from vibrom.lanes import load
 from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
+from vibrom.solvers.newmark_loop import predict
 from vibrom.solvers.static import equilibrium
 
 
@@ -35,6 +38,26 @@ def test_linear_decay_is_that_of_the_damped_mode():
     modal = motion.displacement[0] @ (term.mass @ phi)
     # Period error (omega h)^2/12 = 2e-5 a radian, over 5 periods 31 rad: 6.5e-4 of the amplitude.
     assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
+
+
+def test_guess_is_exact_for_a_cubic_and_an_alternation():
+    """Of the acceleration; displacement and velocity follow by Newmark's formulas."""
+    gamma, beta, step = 0.505, 0.25 * 1.005**2, np.array([[0.1, 0.2]])
+    t = np.arange(-4.0, 2.0)[:, None, None] * step
+    a = 1.0 + 2.0 * t - 3.0 * t**2 + 5.0 * t**3 + 0.7 * (-1.0) ** np.arange(6)[:, None, None]
+
+    @njit
+    def run(q, v, a, past, plain_q, plain_v, h):
+        predict(q, v, a, past, plain_q, plain_v, load(h, 0, 2), gamma, beta, 2)
+
+    q, v, guess, past, plain_q, plain_v = np.full((1, 2), 0.3), np.full((1, 2), -0.4), a[4].copy(), a[3::-1].copy(), np.zeros((1, 2)), np.zeros((1, 2))
+    run(q, v, guess, past, plain_q, plain_v, step)
+    np.testing.assert_allclose(guess, a[5], rtol=1e-12)
+    np.testing.assert_array_equal(past, a[4:0:-1])
+    np.testing.assert_allclose(plain_q, 0.3 - 0.4 * step + step**2 * (0.5 - beta) * a[4], rtol=1e-12)
+    np.testing.assert_allclose(q, plain_q + beta * step**2 * a[5], rtol=1e-12)
+    np.testing.assert_allclose(plain_v, -0.4 + step * (1 - gamma) * a[4], rtol=1e-12)
+    np.testing.assert_allclose(v, plain_v + gamma * step * a[5], rtol=1e-12)
 
 
 def test_order_two(undamped):
