@@ -10,7 +10,7 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from vibrom.lanes import WIDTH, cut, edition, entry, fill, floor, load, paste, positive, power_of_two, sqrt, store
+from vibrom.lanes import WIDTH, cut, edition, entry, fill, floor, load, paste, positive, power_of_two, room, sqrt, store
 
 
 def evaluate(width, function, *rows):
@@ -101,6 +101,13 @@ def test_lanes_from_any_place():
     np.testing.assert_array_equal(x, [0, 1, 2, 1, 2, 3, 4, 7, 8])
 
 
+@pytest.mark.parametrize("make", [room, njit(lambda rows, width: room(rows, width))])
+def test_rooms_begin_at_a_cache_line(make):
+    rooms = [make(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
+    assert all(one.ctypes.data % 64 == 0 and one.flags.c_contiguous for one in rooms)
+    assert [one.shape for one in rooms] == [(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
+
+
 def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
     @njit
     def mixed(x):
@@ -125,17 +132,19 @@ def test_specialisations_of_several_processes_are_told_apart(tmp_path):
             "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"  # as the time loop calls it
             "for width in map(int, sys.argv[1:]):\n"
             "    matrix = np.full((5, 1, width), 4.0)\n"
-            "    call(kernels(width)[2], matrix)\n"
+            "    call(kernels(width)[3], matrix)\n"
             "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)")
     for widths in ("3", "2", "2 3 2"):
         subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
 
 
-def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch):
+@pytest.mark.parametrize("maker", ["numba.njit", "numba.extending.register_jitable"])
+def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch, maker):
     """Else an edited helper would go on as it was in every kernel that calls it."""
     helper = tmp_path / "helper_of_a_kernel.py"
-    helper.write_text("from numba import njit\n\n\n@njit\ndef twice(x):\n    return 2.0 * x\n")
+    helper.write_text(f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n@made\ndef twice(x):\n    return 2.0 * x\n")
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "helper_of_a_kernel", raising=False)
     twice = importlib.import_module("helper_of_a_kernel").twice
     calls = {"twice": twice}
     exec("def kernel(x):\n    return twice(x)\n\n\ndef other(x):\n    return 2.0 * x\n", calls)

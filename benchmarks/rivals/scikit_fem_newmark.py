@@ -59,10 +59,10 @@ class Beam:
         """Displacements (steps + 1, n) from rest in the state q, with zero acceleration."""
         gamma, beta = 0.5 + alpha, 0.25 * (1 + alpha) ** 2
         v, a, factor, history = np.zeros_like(q), np.zeros_like(q), None, [q]
-        past = [a, a, a]
+        past = [a] * 4
         for step in range(1, steps + 1):
-            guess = 2 * (a - past[1]) + past[2] if tricks else a
-            past = [a, *past[:2]]
+            guess = 3 * (a + past[2]) - 2 * (past[0] + past[1]) - past[3] if tricks else a
+            past = [a, *past[:3]]
             q = q + h * v + h**2 * ((0.5 - beta) * a + beta * guess)
             v, a, previous = v + h * ((1 - gamma) * a + gamma * guess), guess, np.inf
             for iteration in range(25):

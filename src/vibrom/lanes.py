@@ -6,6 +6,7 @@
     x = fill(number, width)          the same number in every lane
     x = entry(table, k, e, states)   table[k, e] in every lane of so many states; for one state the lanes are elements: table[k, e:e + WIDTH]
     x + y,  x - y,  x * y,  x / y    y lanes, or a number that all lanes share
+    room(rows, width)                an array for lanes
     sqrt(x), floor(x), positive(x, yes, no), power_of_two(x)
 
 A compiled kernel that is written in lanes does for `width` states what it says for one, in the instructions of one. Loops over the states do not: a loop over a
@@ -15,16 +16,17 @@ constant eight is unrolled to scalar code before LLVM looks for vectors. No oper
 import operator
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType
 
+import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
-from numba.core.dispatcher import Dispatcher
 from numba.core.errors import TypingError
 from numba.core.imputils import lower_builtin
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.core.typing.templates import signature as typed
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic, models, register_jitable, register_model
 
 WIDTH = 8  # doubles in an AVX-512 register
 FUSED = ("contract",)  # a b + c in one instruction; nothing else may be reordered
@@ -33,7 +35,8 @@ FUSED = ("contract",)  # a b + c in one instruction; nothing else may be reorder
 def edition(function) -> str:
     """Digest of the other files that are part of a kernel, this one and those of the compiled functions that it calls: numba looks at its own file only."""
     called = (function.__globals__.get(name) for name in function.__code__.co_names)
-    files = {__file__, *(value.py_func.__code__.co_filename for value in called if isinstance(value, Dispatcher))}
+    sources = (getattr(value, "py_func", value) for value in called)
+    files = {__file__, *(source.__code__.co_filename for source in sources if isinstance(source, FunctionType))}
     return sha256(b"".join(Path(file).read_bytes() for file in sorted(files))).hexdigest()[:8]
 
 
@@ -50,6 +53,14 @@ def kernel(*signatures, fastmath: bool | set[str] = True):
         return njit(list(signatures), cache=True, fastmath=fastmath, error_model="numpy")(function)
 
     return compile
+
+
+@register_jitable
+def room(rows: int, width: int) -> np.ndarray:
+    """(rows, width), not filled, from the beginning of a cache line on: a register that lies across two lines takes twice as long to load."""
+    numbers = np.empty(rows * width + WIDTH)
+    first = -numbers.ctypes.data % (8 * WIDTH) // 8
+    return numbers[first:first + rows * width].reshape(rows, width)
 
 
 class Lanes(types.Type):

@@ -128,7 +128,7 @@ def test_without_elasticity_the_mass_flies(loaded):
     # M q'' = p sin(W t) from rest:  q = M^-1 p (W t - sin W t)/W^2.
     flown = np.linalg.solve(term.mass.toarray(), term.load)[at] * 4 * np.pi / drive**2
     assert float(free["forced_amplitude"]) == pytest.approx(flown, rel=1e-4)
-    np.testing.assert_allclose(free["decay_displacement"], 0.01, rtol=1e-12)  # nothing pulls it back
+    np.testing.assert_allclose(free["decay_displacement"], 0.01, rtol=1e-9)  # nothing pulls it back; rounding lets it drift
 
 
 def test_without_gravity_the_body_starts_in_the_same_place_and_swings_about_another(tmp_path):

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from scenes import LINEAR, body
 from scipy.sparse import csr_matrix
 
+from vibrom import effects, space
 from vibrom.solvers import banded
 
 
@@ -13,18 +15,29 @@ def test_product_and_solve(width, n, half):
     full = np.tril(np.triu(rng.standard_normal((n, n)), -half))
     full = full @ full.T + n * np.eye(n)
     band = banded.to_band(csr_matrix(full), banded.half_bandwidth(csr_matrix(full)))
-    multiply_add, multiply_add_both, factorise, solve = banded.kernels(width)
+    multiply_add, multiply_add_both, combine, factorise, solve = banded.kernels(width)
     x, y = rng.standard_normal((n, width)), np.ones((n, width))
-    multiply_add(banded.product_form(band, width), x, y)
-    np.testing.assert_allclose(y, 1 + full @ x, rtol=1e-12)
-    z = np.ones((n, width))
-    multiply_add_both(banded.product_form(band, width), banded.product_form(2.0 * band, width), x, x**2, z)
-    np.testing.assert_allclose(z, 1 + full @ (x + 2.0 * x**2), rtol=1e-11)
+    sparse = csr_matrix(np.where(np.add.outer(np.arange(n), np.arange(n)) % 3, full, 0.0))  # whole diagonals of it hold zeros, and rows differ in length
+    multiply_add(*banded.product_form([sparse], width), x, y)
+    np.testing.assert_allclose(y, 1 + sparse @ x, rtol=1e-12)
+    z, a, b = np.ones((n, width)), np.arange(1.0, width + 1)[None], np.linspace(0.5, 2.0, width)[None]
+    multiply_add_both(*banded.product_form([sparse, csr_matrix(full)], width), a, b, x, z)
+    np.testing.assert_allclose(z, 1 + a * (sparse @ x) + b * (full @ x), rtol=1e-10)
+    combined = np.empty((n, band.shape[1], width))
+    combine(np.stack([band, band**2]), np.concatenate([a, b]), combined)
+    np.testing.assert_allclose(combined, a * band[:, :, None] + b * band[:, :, None]**2, rtol=1e-14, atol=1e-12)
     factors = np.ascontiguousarray(band[:, :, None] * np.arange(1, width + 1.0))
     factorise(factors)
     b = x.copy()
     solve(factors, b)
     np.testing.assert_allclose(b * np.arange(1, width + 1.0), np.linalg.solve(full, x), rtol=1e-10)
+
+
+@pytest.mark.parametrize(("cells", "half"), [([40, 2], 9), ([9, 9], 2 * 11 + 1), ([2, 40], 7)])
+def test_bodies_are_narrow_bands(cells, half):
+    """A bilinear element reaches from one node of a line of k to the next but one of the next line: 2 (k + 1) + 1."""
+    made = space.build(body(cells=cells))
+    assert banded.half_bandwidth(effects.assemble(made, LINEAR).stiffness) == half
 
 
 def test_indefinite_matrices_are_solved_and_singular_ones_spoil_no_other():

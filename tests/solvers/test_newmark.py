@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from numba import njit
 from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
 
 from vibrom import effects, space
+from vibrom.lanes import load
 from vibrom.modes import eigenmodes
 from vibrom.solvers.newmark import Newmark, Record
+from vibrom.solvers.newmark_loop import predict
 from vibrom.solvers.static import equilibrium
 
 
@@ -35,6 +38,26 @@ def test_linear_decay_is_that_of_the_damped_mode():
     modal = motion.displacement[0] @ (term.mass @ phi)
     # Period error (omega h)^2/12 = 2e-5 a radian, over 5 periods 31 rad: 6.5e-4 of the amplitude.
     assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
+
+
+def test_guess_is_exact_for_a_cubic_and_an_alternation():
+    """Of the acceleration; displacement and velocity follow by Newmark's formulas."""
+    gamma, beta, step = 0.505, 0.25 * 1.005**2, np.array([[0.1, 0.2]])
+    t = np.arange(-4.0, 2.0)[:, None, None] * step
+    a = 1.0 + 2.0 * t - 3.0 * t**2 + 5.0 * t**3 + 0.7 * (-1.0) ** np.arange(6)[:, None, None]
+
+    @njit
+    def run(q, v, a, past, plain_q, plain_v, h):
+        predict(q, v, a, past, plain_q, plain_v, load(h, 0, 2), gamma, beta, 2)
+
+    q, v, guess, past, plain_q, plain_v = np.full((1, 2), 0.3), np.full((1, 2), -0.4), a[4].copy(), a[3::-1].copy(), np.zeros((1, 2)), np.zeros((1, 2))
+    run(q, v, guess, past, plain_q, plain_v, step)
+    np.testing.assert_allclose(guess, a[5], rtol=1e-12)
+    np.testing.assert_array_equal(past, a[4:0:-1])
+    np.testing.assert_allclose(plain_q, 0.3 - 0.4 * step + step**2 * (0.5 - beta) * a[4], rtol=1e-12)
+    np.testing.assert_allclose(q, plain_q + beta * step**2 * a[5], rtol=1e-12)
+    np.testing.assert_allclose(plain_v, -0.4 + step * (1 - gamma) * a[4], rtol=1e-12)
+    np.testing.assert_allclose(v, plain_v + gamma * step * a[5], rtol=1e-12)
 
 
 def test_order_two(undamped):
@@ -128,6 +151,33 @@ def test_sparse_equals_banded(stiffness_factor, cantilever):
     sparse = Newmark(tolerance=1e-8, widest_band=0).run(term, rest, step, 200, signal=signal)
     assert np.abs(banded.displacement - sparse.displacement).max() <= 1e-6 * np.abs(banded.displacement).max()
     assert sparse.outcomes == ["ok"]
+
+
+@pytest.mark.parametrize("states", [1, 4])
+@pytest.mark.parametrize("damping", [{}, {"damping_ratio": 0.01}, {"damping_ratio": 0.01, "stiffness_factor": 1e-5}])
+def test_linear_steps_in_displacements_are_those_in_accelerations(damping, states, cantilever):
+    """Forced, under gravity, from a moving start; each state with a step of its own. The stiffness is rounded once more, which moves the first frequency by
+    (omega_n / omega_1)^2 eps, 1e-8."""
+    made, _ = cantilever
+    term = effects.assemble(made, {**LINEAR, **({"rayleigh_damping": damping} if damping else {}), "modal_load": {"mode": 1}, "gravity": {"x": 0.0, "y": -9.81}})
+    signal = 3000 * np.sin(2 * np.pi * np.arange(301)[:, None] / 250 + np.arange(states))
+    steps, rest = 2 * np.pi / 398.0325 / np.linspace(250, 1000, states), np.zeros((made.size, states))
+    speed = np.outer(made.dof_location[:, 0], np.ones(states))
+    motion = Newmark(alpha=0.005).run(term, rest, steps, 300, velocity=speed, signal=signal)
+    mass, stiffness = term.mass.toarray(), term.stiffness.toarray()
+    drag = np.zeros_like(mass) if term.damping is None else term.damping.toarray()
+    gamma, beta = 0.505, 0.25 * 1.005**2
+    for w, h in enumerate(steps):
+        force = np.outer(signal[:, w], term.load) + term.dead_load
+        operator = np.linalg.inv(mass + gamma * h * drag + beta * h**2 * stiffness)
+        q, v = rest[:, w], speed[:, w]
+        a = np.linalg.solve(mass, force[0] - drag @ v)
+        for p in force[1:]:
+            q, v = q + h * v + h**2 * (0.5 - beta) * a, v + h * (1 - gamma) * a
+            a = operator @ (p - drag @ v - stiffness @ q)
+            q, v = q + beta * h**2 * a, v + gamma * h * a
+        for ours, theirs, digits in zip((motion.displacement, motion.velocity, motion.acceleration), (q, v, a), (1e-7, 1e-7, 1e-6)):
+            assert np.abs(ours[w, -1] - theirs).max() <= digits * np.abs(theirs).max()
 
 
 def test_equilibrium_gives_the_initial_acceleration(cantilever):

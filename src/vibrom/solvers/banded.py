@@ -11,10 +11,11 @@ import numpy as np
 from numba import types
 from scipy.sparse import coo_matrix, spmatrix
 
-from vibrom.lanes import WIDTH, cut, kernel, load, paste, store
+from vibrom.lanes import WIDTH, cut, fill, kernel, load, paste, store
 
 _band = types.float64[:, :, ::1]
 _one = types.float64[:, ::1]
+_places = types.int64[:, ::1]
 
 
 def half_bandwidth(matrix: spmatrix) -> int:
@@ -42,68 +43,94 @@ def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarra
     return np.ascontiguousarray(np.where((low >= 0) & (symmetric | (rows >= columns)), low * (half + 1) + (high - low), -1))
 
 
-def product_form(band: np.ndarray, width: int) -> np.ndarray:
-    """What the products take for a matrix (n, b + 1): for one state its diagonals (b + 1, n), whose rows are long."""
-    return band if width > 1 else np.ascontiguousarray(band.T)
+def product_form(matrices: list[spmatrix], width: int) -> tuple[np.ndarray, ...]:
+    """(values of each matrix, where they stand): what the products take for symmetric matrices (n, n), less their zeros.
+
+    For one state the diagonals from the main one down, values (k, n) and their distances (k, 1), whose rows are long; for more the rows, values
+    (n, k) and their columns (n, k), filled up with zeros on the diagonal.
+    """
+    if not matrices:
+        return np.zeros((0, 0)), np.zeros((0, 0), np.int64)
+    n, pattern = matrices[0].shape[0], sum(abs(matrix) for matrix in matrices).tocsr()
+    pattern.eliminate_zeros()
+    if width == 1:
+        rows, columns = pattern.nonzero()
+        distances = np.unique(np.append((rows - columns)[rows >= columns], 0))
+        return *(np.stack([np.append(matrix.diagonal(-d), np.zeros(d)) for d in distances]) for matrix in matrices), distances[:, None].astype(np.int64)
+    counts = np.diff(pattern.indptr)
+    columns = np.tile(np.arange(n)[:, None], counts.max(initial=1)).astype(np.int64)
+    there = np.arange(columns.shape[1]) < counts[:, None]
+    columns[there] = pattern.indices
+    return *(np.where(there, matrix.tocsr()[np.arange(n)[:, None], columns].toarray(), 0.0) for matrix in matrices), columns
 
 
-@kernel(types.void(_one, _one, _one))
-def _multiply_add_alone(diagonals, x, y):
-    depth, n = diagonals.shape
+@kernel(types.void(_one, _places, _one, _one))
+def _multiply_add_alone(diagonals, distances, x, y):
+    n = diagonals.shape[1]
     x, y = x.reshape(n), y.reshape(n)
     for j in range(n):
         y[j] += diagonals[0, j] * x[j]
-    for d in range(1, depth):
-        row = diagonals[d]
+    for k in range(1, len(distances)):
+        d, row = distances[k, 0], diagonals[k]
+        ahead, below = x[d:], y[d:]  # an index j + d would be asked whether it is negative
         for j in range(n - d):
-            y[j + d] += row[j] * x[j]
+            below[j] += row[j] * x[j]
         for j in range(n - d):
-            y[j] += row[j] * x[j + d]
+            y[j] += row[j] * ahead[j]
 
 
-@kernel(types.void(_one, _one, _one, _one, _one))
-def _multiply_add_both_alone(first, second, x, z, y):
-    depth, n = first.shape
-    x, z, y = x.reshape(n), z.reshape(n), y.reshape(n)
+@kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+def _multiply_add_both_alone(first, second, distances, a, b, x, y):
+    n = first.shape[1]
+    x, y, a, b = x.reshape(n), y.reshape(n), a[0, 0], b[0, 0]
     for j in range(n):
-        y[j] += first[0, j] * x[j] + second[0, j] * z[j]
-    for d in range(1, depth):
-        a, b = first[d], second[d]
+        y[j] += (a * first[0, j] + b * second[0, j]) * x[j]
+    for k in range(1, len(distances)):
+        d, one, other = distances[k, 0], first[k], second[k]
+        ahead, below = x[d:], y[d:]
         for j in range(n - d):
-            y[j + d] += a[j] * x[j] + b[j] * z[j]
+            below[j] += (a * one[j] + b * other[j]) * x[j]
         for j in range(n - d):
-            y[j] += a[j] * x[j + d] + b[j] * z[j + d]
+            y[j] += (a * one[j] + b * other[j]) * ahead[j]
 
 
 @cache
 def kernels(width: int):
-    """(multiply_add, multiply_add_both, factorise, solve) for `width` states; the products take matrices in `product_form`."""
+    """(multiply_add, multiply_add_both, combine, factorise, solve) for `width` states; the products take matrices in `product_form`."""
 
-    @kernel(types.void(_one, _one, _one))
-    def multiply_add(band, x, y):
+    @kernel(types.void(_one, _places, _one, _one))
+    def multiply_add(values, columns, x, y):
         """y += A x."""
-        n, depth = band.shape
-        for j in range(n):
-            here = load(x, j, width)
-            total = band[j, 0] * here
-            for d in range(1, min(depth, n - j)):
-                value = band[j, d]
-                store(y, j + d, load(y, j + d, width) + value * here)
-                total += value * load(x, j + d, width)
-            store(y, j, load(y, j, width) + total)
+        n, entries = values.shape
+        for i in range(n):
+            total = load(y, i, width)
+            for k in range(entries):
+                total += values[i, k] * load(x, columns[i, k], width)
+            store(y, i, total)
 
-    @kernel(types.void(_one, _one, _one, _one, _one))
-    def multiply_add_both(first, second, x, z, y):
-        """y += A x + B z."""
-        n, depth = first.shape
-        for j in range(n):
-            xj, zj = load(x, j, width), load(z, j, width)
-            total = first[j, 0] * xj + second[j, 0] * zj
-            for d in range(1, min(depth, n - j)):
-                a, b = first[j, d], second[j, d]
-                store(y, j + d, load(y, j + d, width) + a * xj + b * zj)
-                total += a * load(x, j + d, width) + b * load(z, j + d, width)
-            store(y, j, load(y, j, width) + total)
+    @kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+    def multiply_add_both(first, second, columns, a, b, x, y):
+        """y += a A x + b B x, with a and b (1, width)."""
+        n, entries = first.shape
+        by_first, by_second = load(a, 0, width), load(b, 0, width)
+        for i in range(n):
+            one = other = fill(0.0, width)
+            for k in range(entries):
+                here = load(x, columns[i, k], width)
+                one += first[i, k] * here
+                other += second[i, k] * here
+            store(y, i, load(y, i, width) + by_first * one + by_second * other)
+
+    @kernel(types.void(_band, _one, _band))
+    def combine(parts, scales, band):
+        """band = sum_k scales[k] parts[k] of parts (k, n, b + 1) that all states share; scales (k, width)."""
+        n, depth = band.shape[0], band.shape[1]
+        entries, parts = band.reshape(n * depth, width), parts.reshape(parts.shape[0], n * depth)
+        for at in range(n * depth):
+            total = parts[0, at] * load(scales, 0, width)
+            for k in range(1, len(parts)):
+                total += parts[k, at] * load(scales, k, width)
+            store(entries, at, total)
 
     @kernel(types.void(_band))
     def factorise(band):
@@ -151,4 +178,4 @@ def kernels(width: int):
             store(x, j, here)
 
     products = (multiply_add, multiply_add_both) if width > 1 else (_multiply_add_alone, _multiply_add_both_alone)
-    return *products, factorise, solve
+    return *products, combine, factorise, solve

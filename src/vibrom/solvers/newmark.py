@@ -20,7 +20,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from vibrom.solvers import banded, sparse
+from vibrom.lanes import room
+from vibrom.solvers import banded, blocks, sparse
+from vibrom.solvers.linear_loop import linear_loop
 from vibrom.solvers.newmark_loop import newmark_loop
 from vibrom.term import Term
 
@@ -102,42 +104,51 @@ class Motion:
 
 def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initial: str, record: Record, out: Motion, where: slice, progress) -> None:
     n, width = q.shape
-    multiply_add, multiply_add_both, factorise, solve = banded.kernels(width)
+    multiply_add, multiply_add_both, combine, factorise, solve = banded.kernels(width)
     kernels = [force.kernels(width) for force in term.forces]
-    loop = newmark_loop(width, len(kernels))
+    loop = newmark_loop(width, len(kernels)) if kernels else linear_loop(width)
     started = time.perf_counter()
     gamma, beta = 0.5 + settings.alpha, 0.25 * (1.0 + settings.alpha) ** 2
-    empty = np.zeros((0, 0))
-    mass, damping, stiffness = (empty if part is None else banded.to_band(part, half) for part in (term.mass, term.damping, term.stiffness))
-    rate = _mass_rate(mass, damping) if kernels else 0.0
-    base = mass[:, :, None] + np.zeros(width)
-    if damping.size:
-        base = base + gamma * h * damping[:, :, None]
-    if stiffness.size:
-        base = base + beta * h**2 * stiffness[:, :, None]
+    rate = _mass_rate(term)
+    linear = [(part, scale) for part, scale in ((term.mass, np.ones(width)), (term.damping, gamma * h), (term.stiffness, beta * h**2)) if part is not None]
+    parts, scales = np.stack([banded.to_band(part, half) for part, _ in linear]), np.stack([scale for _, scale in linear])
+    factor = room(n * (half + 1), width).reshape(n, half + 1, width)
     load, dead = (np.zeros(n) if part is None else np.ascontiguousarray(part) for part in (term.load, term.dead_load))
     a = np.zeros_like(q)
     if initial == "equilibrium":
-        a = load[:, None] * signal[0] + dead[:, None]
-        for band, x in ((damping, v), (stiffness, q)):
-            if band.size:
-                multiply_add(banded.product_form(-band, width), x, a)
+        a = load[:, None] * signal[0] + dead[:, None] - sum(part @ x for part, x in ((term.damping, v), (term.stiffness, q)) if part is not None)
         f = np.zeros_like(q)
         for force, (kernel, _) in zip(term.forces, kernels):
             kernel(q, v, force.dofs, force.table, f)
         a -= f
-        factor = mass[:, :, None] + np.zeros(width)
+        combine(parts[:1], scales[:1], factor)
         factorise(factor)
         solve(factor, a)
-    factor = np.array(base)
-    products = [banded.product_form(band, width) for band in (mass, empty if rate else damping, stiffness)]
-    if not kernels:
-        factorise(factor)
-    state = np.stack([q, v, a, a, a, a])  # displacement, velocity, acceleration now and at the three steps before
-    dofs, tables = tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces)
-    slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
+    state = room(7 * n, width).reshape(7, n, width)
+    state[:] = q, v, a, a, a, a, a  # displacement, velocity, acceleration now and at the four steps before
     failed, counts = np.full(width, -1, np.int64), np.zeros(3, np.int64)
-    numbers = np.array([gamma, beta, settings.tolerance, settings.patience, rate])
+    mass, damping = (banded.product_form([] if part is None else [part], width) for part in (term.mass, None if rate else term.damping))
+    if kernels:
+        stiffness = banded.product_form([] if term.stiffness is None else [term.stiffness], width)
+        both = banded.product_form([term.mass, 0.0 * term.mass if term.stiffness is None else term.stiffness], width)
+        numbers = np.array([gamma, beta, settings.tolerance, settings.patience, rate])
+        slots = tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces)
+        forces = (*(tuple(part) for part in zip(*kernels)), tuple(force.dofs for force in term.forces), tuple(force.table for force in term.forces), slots)
+
+        def advance(first, last, *kept):
+            return loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, mass, damping, stiffness, both, parts, scales, factor,
+                        multiply_add, multiply_add_both, combine, factorise, solve, *forces, failed, counts, *kept)
+    else:
+        combine(parts, scales, factor)
+        if width == 1:
+            factor, solve = blocks.factorise(factor[:, :, 0]), blocks.solve
+        else:
+            factorise(factor)
+
+        def advance(first, last, *kept):
+            counts[0] += last - first
+            return loop(state, h, np.array([gamma, beta, rate]), first, last, signal, load, dead, mass, damping, factor, multiply_add, solve, failed, *kept)
+
     live = where.stop - where.start
     steps, chunk = len(signal) - 1, 2000
     stores = [np.zeros((chunk // record.every + 2, n, width)) for _ in range(3)]
@@ -146,9 +157,7 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
         last = min(first + chunk, steps)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # kernels passed as function pointers
-            stored = loop(state, h, numbers, settings.max_iterations, first, last, signal, load, dead, *products, base, factor,
-                          multiply_add, multiply_add_both, factorise, solve, tuple(k[0] for k in kernels), tuple(k[1] for k in kernels), dofs, tables, slots,
-                          failed, counts, record.every, record.start, record.probes, *stores, probe_store)
+            stored = advance(first, last, record.every, record.start, record.probes, *stores, probe_store)
         begin = np.searchsorted(out.kept, first if first == 0 else first + 1)
         for target, store in zip((out.displacement, out.velocity, out.acceleration), stores):
             target[where, begin:begin + stored] = store[:stored, :, :live].transpose(2, 0, 1)
@@ -169,7 +178,9 @@ def _run_banded(settings: Newmark, term: Term, half: int, q, v, h, signal, initi
     out.factorisations += int(counts[1])
 
 
-def _mass_rate(mass: np.ndarray, damping: np.ndarray) -> float:
+def _mass_rate(term: Term) -> float:
     """c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v). Otherwise zero."""
-    rate = damping[0, 0] / mass[0, 0] if damping.size else 0.0
-    return float(rate) if damping.size and np.allclose(damping, rate * mass, rtol=1e-13, atol=0.0) else 0.0
+    if term.damping is None:
+        return 0.0
+    rate = term.damping[0, 0] / term.mass[0, 0]
+    return float(rate) if np.allclose((term.damping - rate * term.mass).data, 0.0, atol=1e-13 * abs(term.damping).max()) else 0.0
