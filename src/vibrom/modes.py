@@ -37,7 +37,7 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
     if all(force.symmetric for force in term.forces):
         squares, vectors = eigsh(stiffness.tocsc(), k=min(count, size - 1), M=term.mass.tocsc(), sigma=0.0, v0=start)
         # Iteration about zero may miss a negative square that is far away; a factor does not.
-        unstable = "" if _positive(stiffness) else "buckles"
+        unstable = "" if _positive(stiffness) and squares.min() > 0.0 else "buckles"
     else:
         squares, vectors = eigs(stiffness.tocsc(), k=min(max(count, LOOKED_AT), size - 2), M=term.mass.tocsc(), sigma=0.0, v0=start)
         unstable = "flutters" if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max() else "buckles" if squares.real.min() <= 0.0 else ""
@@ -53,9 +53,11 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _positive(matrix: csr_matrix) -> bool:
-    """Is a symmetric matrix positive definite?"""
+    """Is a symmetric matrix positive definite, as far as rounding lets a factorisation tell?"""
+    band = banded.to_band(matrix, banded.half_bandwidth(matrix))
+    band[:, 0] *= 1.0 + len(band) * np.finfo(float).eps  # Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.7
     try:
-        cholesky_banded(banded.to_band(matrix, banded.half_bandwidth(matrix)).T, lower=True)
+        cholesky_banded(band.T, lower=True)
     except LinAlgError:
         return False
     return True
