@@ -161,13 +161,14 @@ def fill(typing, number, width):
 @intrinsic(prefer_literal=True)
 def entry(typing, table, row, column, states):
     _checked(table)
-    lanes = _literal(states) if states.literal_value > 1 else Lanes(WIDTH)
+    alone = _literal(states).width == 1
+    lanes = Lanes(WIDTH) if alone else _literal(states)
 
     def lower(context, builder, signature, arguments):
         row, column = (_integer(context, builder, signature, arguments, place) for place in (1, 2))
         length = builder.extract_value(context.make_array(signature.args[0])(context, builder, arguments[0]).shape, 1)
         first = builder.add(builder.mul(row, length), column)
-        if states.literal_value == 1:
+        if alone:
             return builder.load(_pointer(context, builder, signature, arguments, first, lanes), align=8)
         value = builder.load(_pointer(context, builder, signature, arguments, first, Lanes(1)), align=8)
         return _spread(context, builder, types.float64, builder.extract_element(value, ir.Constant(ir.IntType(32), 0)), lanes)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
+from numba.extending import register_jitable
 
 from vibrom.lanes import WIDTH, entry, fill, load, room, store
 from vibrom.space import Space
@@ -45,6 +46,36 @@ def _linear_stiffness(elastic: np.ndarray, weights: np.ndarray, gradients: np.nd
     return full[:, *np.tril_indices(2 * shapes)]
 
 
+@register_jitable(fastmath=True)
+def gather(q, dofs, e, u, states, width):
+    """u (2 shapes, width): displacements of an element's nodes, all but the last told from the last one's. For one state alone, of elements e, e + 1, ..."""
+    last = u.shape[0] - 2
+    for a in range(u.shape[0]):
+        if states == 1:
+            for lane in range(width):
+                dof = dofs[e + lane, a]
+                u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
+        else:
+            dof = dofs[e, a]
+            store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
+    for a in range(last):
+        store(u, a, load(u, a, width) - load(u, last + a % 2, width))
+
+
+@register_jitable(fastmath=True)
+def gradient(u, table, at, e, free, states, width):
+    """H at the point whose shape functions begin in row `at` of the table: H_11, H_12, H_21, H_22."""
+    h0 = h1 = h2 = h3 = fill(0.0, width)
+    for a in range(free):
+        n0, n1 = entry(table, at + 2 * a, e, states), entry(table, at + 1 + 2 * a, e, states)
+        ux, uy = load(u, 2 * a, width), load(u, 2 * a + 1, width)
+        h0 += n0 * ux
+        h1 += n1 * ux
+        h2 += n0 * uy
+        h3 += n1 * uy
+    return h0, h1, h2, h3
+
+
 @cache
 def _kernels(shapes: int, points: int, states: int):
     return _force(shapes, points, states), _tangent(shapes, points, states)
@@ -58,28 +89,13 @@ def _force(shapes: int, points: int, states: int):
     def force(q, v, dofs, table, f):
         u, g = room(2 * shapes, width), room(2 * shapes, width)
         for e in range(0, dofs.shape[0], together):
+            gather(q, dofs, e, u, states, width)
             for a in range(2 * shapes):
-                if states == 1:
-                    for lane in range(width):
-                        dof = dofs[e + lane, a]
-                        u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
-                else:
-                    dof = dofs[e, a]
-                    store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
                 store(g, a, fill(0.0, width))
-            for a in range(2 * free):
-                store(u, a, load(u, a, width) - load(u, 2 * free + a % 2, width))
             for k in range(points):
                 at = k * stride
                 d11, d12, d33 = entry(table, at, e, states), entry(table, at + 1, e, states), entry(table, at + 2, e, states)
-                h0 = h1 = h2 = h3 = fill(0.0, width)
-                for a in range(free):
-                    n0, n1 = entry(table, at + 3 + 2 * a, e, states), entry(table, at + 4 + 2 * a, e, states)
-                    ux, uy = load(u, 2 * a, width), load(u, 2 * a + 1, width)
-                    h0 += n0 * ux
-                    h1 += n1 * ux
-                    h2 += n0 * uy
-                    h3 += n1 * uy
+                h0, h1, h2, h3 = gradient(u, table, at + 3, e, free, states, width)
                 e11, e22, e12 = 0.5 * (h0 * h0 + h2 * h2), 0.5 * (h1 * h1 + h3 * h3), h0 * h1 + h2 * h3
                 r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
                 s11, s22, s12 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3, r12 + d33 * (h1 + h2)
@@ -113,16 +129,7 @@ def _tangent(shapes: int, points: int, states: int):
     def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
         u, ke = room(2 * shapes, width), room(entries, width)
         for e in range(0, dofs.shape[0], together):
-            for a in range(2 * shapes):
-                if states == 1:
-                    for lane in range(width):
-                        dof = dofs[e + lane, a]
-                        u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
-                else:
-                    dof = dofs[e, a]
-                    store(u, a, load(q, dof, width) if dof >= 0 else fill(0.0, width))
-            for a in range(2 * free):
-                store(u, a, load(u, a, width) - load(u, 2 * free + a % 2, width))
+            gather(q, dofs, e, u, states, width)
             for slot in range(of_free):
                 store(ke, slot, 0.0 - entry(table, points * stride + slot, e, states))
             for slot in range(of_free, entries):
@@ -130,14 +137,7 @@ def _tangent(shapes: int, points: int, states: int):
             for k in range(points):
                 at = k * stride
                 d11, d12, d33 = entry(table, at, e, states), entry(table, at + 1, e, states), entry(table, at + 2, e, states)
-                h0 = h1 = h2 = h3 = fill(0.0, width)
-                for a in range(free):
-                    n0, n1 = entry(table, at + 3 + 2 * a, e, states), entry(table, at + 4 + 2 * a, e, states)
-                    ux, uy = load(u, 2 * a, width), load(u, 2 * a + 1, width)
-                    h0 += n0 * ux
-                    h1 += n1 * ux
-                    h2 += n0 * uy
-                    h3 += n1 * uy
+                h0, h1, h2, h3 = gradient(u, table, at + 3, e, free, states, width)
                 e11, e22 = h0 + 0.5 * (h0 * h0 + h2 * h2), h3 + 0.5 * (h1 * h1 + h3 * h3)
                 s11, s22, s12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * (h1 + h2 + h0 * h1 + h2 * h3)
                 f0, f3 = 1.0 + h0, 1.0 + h3
