@@ -1,7 +1,8 @@
 """Compilation, counted apart.
 
-The first process that meets a body compiles its kernels and keeps them on disk; the second reads them. Both run ten steps of the folding cantilever (one state, then sixteen) from an empty store;
-a third with the other element compiles that element's kernels alone. No time on this page contains compilation: `Newmark` and the experiments compile before their clocks start.
+The first process that meets a body compiles its kernels and keeps them on disk; the second reads them. Both run ten steps of the folding cantilever (one
+state, then sixteen) from an empty store; a third with the other element compiles that element's kernels alone. No time on this page contains compilation:
+`Newmark` and the experiments compile before their clocks start.
 """
 
 import json

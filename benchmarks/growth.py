@@ -1,9 +1,10 @@
 """Growth: 240 to 60 000 degrees of freedom.
 
-Longer bodies have the same band, finer ones a wider band; both elements. Each is straight and still at first and thrown into waves as long as the first metre (or as the plate), which asks for the same
-Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's SuperLU or,
-where it is installed, by PARDISO; bodies on both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest body, is told. The exponent is that
-of a power law fitted to the bodies above 1000 degrees of freedom.
+Longer bodies have the same band, finer ones a wider band; both elements. Each is straight and still at first and thrown into waves as long as the first
+metre (or as the plate), which asks for the same Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A
+body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's SuperLU or, where it is installed, by PARDISO; bodies on
+both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest body, is told. The
+exponent is that of a power law fitted to the bodies above 1000 degrees of freedom.
 """
 
 import json

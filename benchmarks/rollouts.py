@@ -1,16 +1,16 @@
 """Rollouts of reduced models against SciPy's solve_ivp.
 
-Both integrate the folding scene's fitted models with the 8th-order method of Dormand and Prince, with the tolerances of the main job: relative 1e-8, absolute 1e-10
-of the training range. Rival B calls the models' numpy functions, one run after the other; ours is compiled and takes eight runs side by side on one core. Compilation is kept
-on disk and not counted, and neither is the rival's first call.
+Both integrate the folding scene's fitted models with the 8th-order method of Dormand and Prince, with the tolerances of the main job: relative 1e-8,
+absolute 1e-10 of the training range. Rival B calls the models' numpy functions, one run after the other; ours is compiled and takes eight runs side by
+side on one core. Compilation is kept on disk and not counted, and neither is the rival's first call.
 
-The sweep has 33 frequencies from rest, 200 periods each, and shows the last one. The rival takes every fourth frequency and its time is scaled by 33/9, since all of it
-would take minutes for each model; our whole sweep is timed between any two of its runs. A model that blows up ends early for both.
+The sweep has 33 frequencies from rest, 200 periods each, and shows the last one. The rival takes every fourth frequency and its time is scaled by 33/9,
+since all of it would take minutes for each model; our whole sweep is timed between any two of its runs. A model that blows up ends early for both.
 
-Two solutions may differ by the local tolerance times the steps that the motion remembers, more at a fold of the response curve. So differences are told in units of the
-tolerance (1e-8 of the training range) beside the rival's own distance from a solution a thousand times tighter. Work and precision are those of a decay of 30 periods, errors being
-distances from a solution with a tolerance of 1e-13 over the training range. SSMLearn's models of higher order are fitted here and swept at a twentieth of the forcing, which
-keeps them in their range and the work whole.
+Two solutions may differ by the local tolerance times the steps that the motion remembers, more at a fold of the response curve. So differences are told in
+units of the tolerance (1e-8 of the training range) beside the rival's own distance from a solution a thousand times tighter. Work and precision are those
+of a decay of 30 periods, errors being distances from a solution with a tolerance of 1e-13 over the training range. SSMLearn's models of higher order are
+fitted here and swept at a twentieth of the forcing, which keeps them in their range and the work whole.
 """
 
 from collections.abc import Iterator

@@ -1,8 +1,9 @@
 """A full-order response curve, frequencies side by side.
 
-33 frequencies of 200 periods with 1000 steps each, from rest, at the folding forcing: 6.6 million state-steps. Sixteen states side by side fill the lanes of two registers; one state has its
-elements in the lanes. Both do the same sixteen, side by side or one after the other, over the first 20 periods on one core: off resonance a state alone needs fewer iterations than the slowest of
-a batch, at resonance more than the average. The whole curve runs once, in two processes on two cores, as two jobs of the workflow do.
+33 frequencies of 200 periods with 1000 steps each, from rest, at the folding forcing: 6.6 million state-steps. Sixteen states side by side fill the lanes
+of two registers; one state has its elements in the lanes. Both do the same sixteen, side by side or one after the other, over the first 20 periods on one
+core: off resonance a state alone needs fewer iterations than the slowest of a batch, at resonance more than the average. The whole curve runs once, in two
+processes on two cores, as two jobs of the workflow do.
 """
 
 import subprocess

@@ -1,7 +1,7 @@
 """Where the time of the main job goes.
 
-Seconds of every rule from Snakemake's benchmark files in `results/benchmarks`, as the last main job left them: run `make` first. The wall time is from the start of the first job to the end of the last.
-Planning the whole graph anew (`snakemake --dry-run`) is timed here.
+Seconds of every rule from Snakemake's benchmark files in `results/benchmarks`, as the last main job left them: run `make` first. The wall time is from the
+start of the first job to the end of the last. Planning the whole graph anew (`snakemake --dry-run`) is timed here.
 """
 
 import subprocess

@@ -9,8 +9,9 @@
     room(rows, width)                an array for lanes
     sqrt(x), floor(x), positive(x, yes, no), power_of_two(x)
 
-A compiled kernel that is written in lanes does for `width` states what it says for one, in the instructions of one. Loops over the states do not: a loop over a
-constant eight is unrolled to scalar code before LLVM looks for vectors. No operation mixes lanes: what a lane computes does not depend on its neighbours, to the last bit.
+A compiled kernel that is written in lanes does for `width` states what it says for one, in the instructions of one. Loops over the states do not: a loop
+over a constant eight is unrolled to scalar code before LLVM looks for vectors. No operation mixes lanes: what a lane computes does not depend on its
+neighbours, to the last bit.
 """
 
 import operator

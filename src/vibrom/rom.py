@@ -2,10 +2,11 @@
 
     z = encode(x),   x = decode(z),   dz/dt = drift(z) + force_map(z, p) u(t)
 
-x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, 2d) are d reduced positions, then what goes
-with each as its velocity; `reach` (2d,) holds the largest of each in the training data, and their ratio is a time scale of the model; the load is p u(t), with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of
-these four and nothing else, so that every model answers the same questions in the same way. A model may say the same a quicker way: `displacement` is a part of
-`decode`, and `field` is `drift` and `force_map` in compiled code.
+x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees of freedom; z (*batch, 2d) are d reduced positions, then what goes with each
+as its velocity; `reach` (2d,) holds the largest of each in the training data, and their ratio is a time scale of the model; the load is p u(t), with p
+(n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are functions of these four and nothing else, so that every model
+answers the same questions in the same way. A model may say the same a quicker way: `displacement` is a part of `decode`, and `field` is `drift` and
+`force_map` in compiled code.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
     f = s k d (1 + c d')  while the depth d = s u - gap is positive and the bracket is too; s = +-1 the side, u along one axis, d' = s v
 
 Hunt and Crossley's damping c (J. Appl. Mech. 42 (1975) 440) is without force at the first touch and never pulls; a mass that arrives at speed v leaves at
-e v with e = 1 - 2 c v/3 + O(c^2 v^2). c = 0 returns all energy.
-What the step h must resolve is the time in contact, about pi sqrt(m/k) with the mass m that stops: the energy is kept to 0.5 % by 10 steps in it, to 0.05 % by
-20 (trapezoidal rule), and the error falls at least as h^2, though contacts begin and end within steps. A stiffer k comes closer to a rigid stop (depth v sqrt(m/k)) and asks for smaller steps.
+e v with e = 1 - 2 c v/3 + O(c^2 v^2). c = 0 returns all energy. What the step h must resolve is the time in contact, about pi sqrt(m/k) with the mass m
+that stops: the energy is kept to 0.5 % by 10 steps in it, to 0.05 % by 20 (trapezoidal rule), and the error falls at least as h^2, though contacts begin
+and end within steps. A stiffer k comes closer to a rigid stop (depth v sqrt(m/k)) and asks for smaller steps.
 """
 
 from dataclasses import dataclass

@@ -2,8 +2,9 @@
 
     L = |c - v(w(c))|^2 + l1 |G (c'' - d2/dtau2 v(z))|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f = R0 (z, z') + Xi Theta(z, z')
 
-means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. G is one where no norm is given. All that is learnt is one vector,
-so that a checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched between two rows of the history.
+means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. G is one where no norm is given. All that is
+learnt is one vector, so that a checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched between two rows of the
+history.
 """
 
 import time

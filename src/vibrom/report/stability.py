@@ -81,7 +81,8 @@ def guards(collection: Collection) -> pd.DataFrame:
 
 
 def compared(amplitude: np.ndarray, truth: np.ndarray) -> tuple[float, float, float]:
-    """(median amplitude error [%], error of the peak [%], places between the peaks) of a curve; a failed point is infinitely wrong, and a curve with gaps has no peak."""
+    """(median amplitude error [%], error of the peak [%], places between the peaks) of a curve; a failed point is infinitely wrong, and a curve with gaps
+    has no peak."""
     known = np.isfinite(truth)
     error = 100 * np.abs(amplitude - truth) / np.abs(truth)
     middle = float(np.median(np.where(np.isfinite(error), error, np.inf)[known])) if known.any() else np.nan

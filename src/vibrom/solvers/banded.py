@@ -1,8 +1,8 @@
 """Symmetric banded matrices for several states side by side.
 
-A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one column after the other, the state last.
-`factorise` and `solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a tangent that a far guess made
-indefinite, where Cholesky's method ends.
+A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one column after the other, the state last. `factorise` and
+`solve` are the plain column algorithms (Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a tangent that a far
+guess made indefinite, where Cholesky's method ends.
 """
 
 from functools import cache

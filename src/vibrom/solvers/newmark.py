@@ -3,11 +3,11 @@
     q_{k+1} = q_k + h v_k + h^2 [(1/2 - beta) a_k + beta a_{k+1}],    v_{k+1} = v_k + h [(1 - gamma) a_k + gamma a_{k+1}]
     gamma = 1/2 + alpha,  beta = (1 + alpha)^2 / 4
 
-Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step
-solves its residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u + p_0|), the right side taken at the
-step's first guess, and keeps the factor of the tangent as long as the residual falls fast enough. A state that does not converge is frozen, and reported with its time; the others go on. Without state-dependent
-forces the operator is factorised once and each step is one solve. Of a non-symmetric tangent the band keeps the lower triangle: beside the mass of a time step the rest
-is small, and what the iteration must reach is the residual.
+Second order and undamped for alpha = 0, numerically damped for alpha > 0 (Newmark 1959; Bathe, Finite Element Procedures, 9.2.4). Each step solves its
+residual by Newton iteration on the acceleration until |r| <= tolerance (|M a + C v| + |K q + f| + |p u + p_0|), the right side taken at the step's first
+guess, and keeps the factor of the tangent as long as the residual falls fast enough. A state that does not converge is frozen, and reported with its time;
+the others go on. Without state-dependent forces the operator is factorised once and each step is one solve. Of a non-symmetric tangent the band keeps the
+lower triangle: beside the mass of a time step the rest is small, and what the iteration must reach is the residual.
 """
 
 from __future__ import annotations

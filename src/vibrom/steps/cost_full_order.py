@@ -157,7 +157,8 @@ def meshes(scene: dict, settings: dict, repeats: int, patience: float) -> tuple[
 
 
 def mesh_row(scene: dict, element: str, cells: list[int], settings: dict, repeats: int, patience: float) -> tuple[Row, dict[str, tuple]]:
-    """The first frequency and the forced response of a mesh, and question -> (seconds, calls, outcome); `skipped` where it has no node for an effect of the scene."""
+    """The first frequency and the forced response of a mesh, and question -> (seconds, calls, outcome); `skipped` where it has no node for an effect of
+    the scene."""
     try:
         return solved(scene, element, cells, settings, repeats, patience)
     except SceneError:

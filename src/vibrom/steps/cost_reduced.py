@@ -2,11 +2,12 @@
 
 Every model of the run is asked as it was configured. Then one setting after the other is varied, the others being those of config/methods. Besides the
 method's own settings: `thin` (train on every k-th sample), `periods` (on the first k periods of the training decay, whose share of the simulation counts),
-`start.<setting>` (of the method that this one starts from) and `rtol` (of the integrator; atol a hundredth of it). Each model is asked the test decay, the forced run and the response curve of the scene,
-with the errors of those experiments: NMTE, NMTE of the last period, median error of the amplitude. A value that does not go with the method's other settings is `skipped`.
+`start.<setting>` (of the method that this one starts from) and `rtol` (of the integrator; atol a hundredth of it). Each model is asked the test decay, the
+forced run and the response curve of the scene, with the errors of those experiments: NMTE, NMTE of the last period, median error of the amplitude. A value
+that does not go with the method's other settings is `skipped`.
 
-Offline seconds are those of the training data, the mapping (that of a model to start from included) and the dynamics; online ones those of one answer. All are medians of
-repeated calls, after one that compiles; what takes long is not repeated, `calls` and `fits` say how often.
+Offline seconds are those of the training data, the mapping (that of a model to start from included) and the dynamics; online ones those of one answer. All
+are medians of repeated calls, after one that compiles; what takes long is not repeated, `calls` and `fits` say how often.
 """
 
 import json
