@@ -15,8 +15,7 @@ from vibrom.rom import Training
 
 @dataclass(frozen=True)
 class DecoupledAutoencoder(AutoencoderMethod):
-    epochs: int = 500
-    learning_rate: float = 1e-2
+    epochs: int = 350
     amplitude_power: float = -0.25  # of a sample's weight in the least squares
 
     def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
