@@ -130,7 +130,7 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
 
 
 def test_guarded_response_curves_have_bounds_of_their_own():
-    good = {"case": "folding", "method": "split_plus", "guard": "dissipative", "points": 99, "points_with_value": 99, "median_amplitude_error_percent": 1.9,
+    good = {"case": "folding", "method": "split_plus", "guard": "dissipative_9", "points": 99, "points_with_value": 99, "median_amplitude_error_percent": 1.9,
             "peak_error_percent": -2.9, "peak_steps": 1.0}
     assert [row[-2] for row in checks.guarded(pd.DataFrame([good]))] == ["yes"] * 4
     bad = {"points_with_value": 98, "median_amplitude_error_percent": 2.1, "peak_error_percent": 3.1, "peak_steps": 2.0}

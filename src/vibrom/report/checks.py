@@ -29,7 +29,7 @@ FORCED_TIP = {  # case: (forcing of run and response curve, largest tip displace
 }
 DETERMINISTIC = ("modal_projection", "ssmlearn")
 TRAINED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
-GUARDED = {"split_plus": "dissipative", "decoupled_autoencoder": "dissipative_9"}  # of the folding scene, by their names in config.yaml
+GUARDED = {"split_plus": "dissipative_9", "decoupled_autoencoder": "dissipative_9"}  # of the folding scene; the guard by its name in config.yaml
 PARTS = {"real_per_s": ("real part", "1/s"), "imaginary_rad_per_s": ("imaginary part", "rad/s")}
 TABLE = {"eigenvalues": "3.2", "reconstruction": "3.3", "decay": "3.4", "forced": "3.5"}
 BEHIND = {  # release states and forced runs of the scene that a model's answer depends on, its training's included
