@@ -110,5 +110,11 @@ def test_figures_tell_orders_failures_and_what_was_not_studied(studied, collecti
     assert [len(axes.lines) > 0 for axes in figure.axes] == [True] * 6
     figure = draw("cost_training", studied, scores)
     assert {"100", "300", "p = 5"} <= {text.get_text() for text in figure.axes[0].texts}
+    # Methods look apart, whether the run has their models or only what the study made of them.
+    alone = Collection({key: made for key, made in studied.loaders.items() if key[3].startswith("cost_")})
+    for shown in (studied, alone):
+        panel = draw("cost_reduced", shown, scores).axes[0]
+        assert len({line.get_color() for line in panel.lines if line.get_linestyle() == "None"}) == 2
+        assert draw("cost_training", shown, scores).axes[0].lines
     for name in ("cost_full_order", "cost_reduced", "cost_training"):
         assert "no scene of this run was studied" in "".join(text.get_text() for text in draw(name, collection, scores).axes[0].texts)

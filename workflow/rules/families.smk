@@ -3,9 +3,10 @@
 #   snakemake --cores 2 tables          all of them (or: figures)
 #   snakemake --cores 2 cost            one family (or: effects, stability)
 OF_FULL_ORDER = [f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in COST_SCENES for name in FULL_ORDER_NAMES]
+OF_METHODS = [f"<results>/{'/'.join(model)}/rom.nc" for model in MODELS if model[0] in COST_SCENES]  # which gives them their looks
 FILES = {
     "models": list(dict.fromkeys(ARTEFACTS + HARD_FILES)),  # what guards promise is among the checks
-    "cost": COST_ARTEFACTS + OF_FULL_ORDER,
+    "cost": COST_ARTEFACTS + OF_FULL_ORDER + OF_METHODS,
     "effects": EFFECTS_FILES,
     "stability": HARD_FILES,
 }

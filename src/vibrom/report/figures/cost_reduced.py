@@ -14,7 +14,7 @@ TRUTH = {"decay": "test", "forced": "forced", "frc": "frc"}  # what the full-ord
 
 def draw(collection, scores, scene=None) -> Figure:
     table = cost.settings(cost.reduced(collection))
-    known = list(dict.fromkeys(table["case"]))
+    known, methods = list(dict.fromkeys(table["case"])), studied(table, collection)
     figure = Figure(figsize=(8.6, 5.2 * max(1, len(known))))
     axes = figure.subplots(2 * max(1, len(known)), 3, squeeze=False)
     handles: dict = {}
@@ -28,7 +28,7 @@ def draw(collection, scores, scene=None) -> Figure:
         axes[2 * index, 0].set_title(name)
         for column, question in enumerate(ASKED):
             for panel, price in zip(axes[2 * index:2 * index + 2, column], ("offline_s", f"{question}_s")):
-                handles = points(panel, group, price, f"{question}_error_percent", collection.methods) | handles
+                handles = points(panel, group, price, f"{question}_error_percent", methods) | handles
             silent(axes[2 * index, column], group, f"{question}_error_percent")
             full = float(scalar(collection.find(name, FULL_ORDER, TRUTH[question]), "seconds"))
             if np.isfinite(full):
@@ -36,8 +36,13 @@ def draw(collection, scores, scene=None) -> Figure:
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
-    figure.legend(*ordered(handles, collection.methods), loc="outside lower center", ncols=5)
+    figure.legend(*ordered(handles, methods), loc="outside lower center", ncols=5)
     return figure
+
+
+def studied(table, collection) -> list[str]:
+    """The methods of the run, so that each looks as in its other figures, then any that only the study has."""
+    return list(dict.fromkeys([*collection.methods, *table["method"]]))
 
 
 def ordered(handles: dict, methods: list[str]) -> tuple[list, list[str]]:
@@ -51,7 +56,7 @@ def points(panel, group, price: str, error: str, methods: list[str]) -> dict:
     """Small markers for settings that were varied, large ones as configured, and a grey line for the front of all."""
     handles = {}
     for method in dict.fromkeys(group["method"]):
-        look = style.look(methods.index(method) if method in methods else len(methods), linestyle="none")
+        look = style.look(methods.index(method), linestyle="none")
         mine = group[(group["method"] == method) & group[error].notna()]
         usual = mine["varied"] == cost.CONFIGURED
         panel.plot(mine[price][~usual], mine[error][~usual], **look | {"markersize": 3.2, "markeredgewidth": 0.7})

@@ -6,14 +6,14 @@ from matplotlib.figure import Figure
 
 from vibrom.report import cost, thesis
 from vibrom.report.figures import panels, style
-from vibrom.report.figures.cost_reduced import ASKED, ordered, silent
+from vibrom.report.figures.cost_reduced import ASKED, ordered, silent, studied
 
 EPOCHS = ("epochs", "start.epochs")
 
 
 def draw(collection, scores, scene=None) -> Figure:
     table = cost.settings(cost.reduced(collection))
-    known = list(dict.fromkeys(table["case"]))
+    known, methods = list(dict.fromkeys(table["case"])), studied(table, collection)
     figure = Figure(figsize=(8.6, 2.9 * max(1, len(known)) + 0.4))
     axes = figure.subplots(max(1, len(known)), 3, squeeze=False)
     handles: dict = {}
@@ -26,13 +26,13 @@ def draw(collection, scores, scene=None) -> Figure:
         row[0].set_title(name)
         for panel, question in zip(row, ASKED):
             group = table[table["case"] == name]
-            for index, method in enumerate(collection.methods):
+            for index, method in enumerate(methods):
                 handles |= lines(panel, group[group["method"] == method], f"{question}_error_percent", index, thesis.label(method))
             silent(panel, group, f"{question}_error_percent")
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
-    figure.legend(*ordered(handles, collection.methods), loc="outside lower center", ncols=5)
+    figure.legend(*ordered(handles, methods), loc="outside lower center", ncols=5)
     return figure
 
 
