@@ -64,6 +64,14 @@ def test_a_spring_that_pushes_away_harder_than_the_beam_holds_has_no_modes(exces
         eigenmodes(pushed(1 + excess), 1)
 
 
+def test_a_negative_square_that_a_factor_does_not_see_is_no_frequency(monkeypatch):
+    """What is indefinite by less than rounding passes the factorisation; its root would be NaN."""
+    monkeypatch.setattr("vibrom.modes._positive", lambda matrix: True)
+    term = effects.assemble(space.build(quadratic_body(cells=[20, 1])), {**BEAM, "cubic_spring": {"at": AT, "direction": "y", "linear": -3.03 * BENDING}})
+    with pytest.raises(SceneError, match="buckles"):
+        eigenmodes(term, 1)
+
+
 @pytest.mark.parametrize("hardening", [3.0, -0.6])
 def test_backbone_of_a_cubic_spring_is_duffings(hardening):
     """x'' + w^2 x + g x^3 = 0 from x = A at rest: T = 4 K(m)/sqrt(w^2 + g A^2), m = g A^2 / (2 (w^2 + g A^2)).

@@ -48,7 +48,7 @@ def conditions(powers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def constrained_least_squares(matrix: np.ndarray, target: np.ndarray, rows: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """The x with the smallest |matrix x - target| among those with  rows x <= bounds."""
-    from scipy.optimize import nnls  # 0.2 s to import, and most jobs only ask models that are fitted already
+    from scipy.optimize import nnls  # slow to import, and most jobs only ask models that are fitted already
 
     free = least_squares(matrix, target[:, None])[0]
     if np.all(rows @ free <= bounds):

@@ -38,7 +38,8 @@ class Newmark:
     tolerance: float = 1e-6
     max_iterations: int = 25
     patience: float = 3.0  # factorise the tangent anew when so many more iterations, each as good as the last, would not do
-    # Half bandwidth beyond which a sparse factorisation is taken. SuperLU becomes faster at about 650, with half of the band's memory; PARDISO far earlier.
+    # Half bandwidth beyond which a sparse factorisation is taken. The square plates of benchmarks/growth.py, which reach 345, are faster in the band than by
+    # SuperLU, and take more memory in it the wider it is; PARDISO overtakes earlier.
     widest_band: int = 250 if sparse.PyPardisoSolver else 500
 
     def run(self, term: Term, displacement: np.ndarray, step: np.ndarray, steps: int, *, velocity: np.ndarray | None = None,
