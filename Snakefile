@@ -9,8 +9,10 @@
 import sys
 from pathlib import Path
 
-from vibrom import config_files, provenance, settings
-from vibrom.plugs import constants, names
+from vibrom.config import files as config_files
+from vibrom.artefacts import provenance
+from vibrom.config import settings
+from vibrom.config.plugs import constants, names
 
 ROOT = Path(workflow.basedir)
 CONFIG = ROOT / "config/config.yaml"
@@ -55,12 +57,16 @@ wildcard_constraints:
 
 def code(step, *modules):
     """What a rule passes on as `provenance`: it runs again when the code behind it changes."""
-    return provenance.attributes(f"vibrom.steps.{step}", *(f"vibrom.{module}" for module in modules))
+    return provenance.attributes(
+        f"vibrom.steps.{step}", *(f"vibrom.{module}" for module in modules)
+    )
 
 
 def seed_of(wildcards):
     """The seed as a number; None for a method that is fitted once."""
-    return None if wildcards.seed == settings.UNSEEDED else int(wildcards.seed.removeprefix("seed_"))
+    return (
+        None if wildcards.seed == settings.UNSEEDED else int(wildcards.seed.removeprefix("seed_"))
+    )
 
 
 include: "workflow/rules/resume.smk"
@@ -76,7 +82,6 @@ include: "workflow/rules/families.smk"
 
 rule all:
     default_target: True
-    localrule: True
     input:
         rules.scores.output,
         rules.tables.input,
@@ -84,5 +89,6 @@ rule all:
         rules.report.output,
         rules.tracking.output,
         rules.headline.output,
+    localrule: True
     message:
         "everything is there"

@@ -1,1 +1,3 @@
-"""What is fast, against named rivals: `python -m benchmarks` runs all, `python -m benchmarks <name> ...` some."""
+"""What is fast, against named rivals: `python -m benchmarks` runs all, `python -m benchmarks <name>
+...` some.
+"""

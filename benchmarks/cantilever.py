@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from vibrom import effects, space
-from vibrom.modes import eigenmodes
-from vibrom.solvers.newmark import Newmark, Record
-from vibrom.space import Space
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.bodies.space import Space
+from vibrom.solvers.full.modes import eigenmodes
+from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
 
 SCENE = yaml.safe_load(Path("config/scenes/folding.yaml").read_text())
@@ -32,11 +33,25 @@ NEWMARK = Newmark(alpha=SCENE["time"]["alpha"], tolerance=SCENE["time"]["residua
 
 
 @cache
-def build(without: tuple[str, ...] = (), element: str = "bilinear", cells: tuple[int, int] = (40, 2), length: float = 1.0) -> Cantilever:
+def build(
+    without: tuple[str, ...] = (),
+    element: str = "bilinear",
+    cells: tuple[int, int] = (40, 2),
+    length: float = 1.0,
+) -> Cantilever:
     """The scene, less some effects, on another mesh."""
-    body = space.build({**SCENE["body"], "element": element, "cells": list(cells), "length": length, "probes": {}})
-    term = effects.assemble(body, {name: block for name, block in SCENE["effects"].items() if name not in without})
-    return Cantilever(body, term, eigenmodes(term, 1)[0][0] * np.sqrt(1 - SCENE["effects"]["rayleigh_damping"]["damping_ratio"] ** 2))
+    body = space.build(
+        {**SCENE["body"], "element": element, "cells": list(cells), "length": length, "probes": {}}
+    )
+    term = effects.assemble(
+        body, {name: block for name, block in SCENE["effects"].items() if name not in without}
+    )
+    return Cantilever(
+        body,
+        term,
+        eigenmodes(term, 1)[0][0]
+        * np.sqrt(1 - SCENE["effects"]["rayleigh_damping"]["damping_ratio"] ** 2),
+    )
 
 
 @cache
@@ -45,6 +60,13 @@ def released() -> np.ndarray:
     model, release = build(), SCENE["releases"]["test"]
     steps = release["step"]
     phase = 2 * np.pi * np.arange(steps + 1)[:, None] / STEPS_PER_PERIOD
-    motion = NEWMARK.run(model.term, np.zeros((model.space.size, 1)), np.array([model.step]), steps, signal=release["forcing"] * np.sin(phase),
-                         initial_acceleration="zero", record=Record(every=steps))
+    motion = NEWMARK.run(
+        model.term,
+        np.zeros((model.space.size, 1)),
+        np.array([model.step]),
+        steps,
+        signal=release["forcing"] * np.sin(phase),
+        initial_acceleration="zero",
+        record=Record(every=steps),
+    )
     return motion.displacement[0, -1]

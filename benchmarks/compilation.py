@@ -1,8 +1,9 @@
 """Compilation, counted apart.
 
-The first process that meets a body compiles its kernels and keeps them on disk; the second reads them. Both run ten steps of the folding cantilever (one
-state, then sixteen) from an empty store; a third with the other element compiles that element's kernels alone. No time on this page contains compilation:
-`Newmark` and the experiments compile before their clocks start.
+The first process that meets a body compiles its kernels and keeps them on disk; the second reads
+them. Both run ten steps of the folding cantilever (one state, then sixteen) from an empty store; a
+third with the other element compiles that element's kernels alone. No time on this page contains
+compilation: `Newmark` and the experiments compile before their clocks start.
 """
 
 import json
@@ -34,12 +35,47 @@ print(json.dumps([time.perf_counter() - began, len(seen)]))
 
 def measure(note) -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as store:
+
         def process(element: str) -> tuple[float, int]:
-            run = subprocess.run([sys.executable, "-c", CODE, element], env=os.environ | {"NUMBA_CACHE_DIR": store}, stdout=subprocess.PIPE, text=True, check=True)
+            run = subprocess.run(
+                [sys.executable, "-c", CODE, element],
+                env=os.environ | {"NUMBA_CACHE_DIR": store},
+                stdout=subprocess.PIPE,
+                text=True,
+                check=True,
+            )
             return json.loads(run.stdout)
 
         first, second, other = process("bilinear"), process("bilinear"), process("quadratic")
-    yield Row("compilation", "a process that finds its kernels on disk, imports and ten steps", second[0], "s", "the first process, which compiles them", first[0])
-    yield Row("compilation", "functions compiled by the second process", float(second[1]), "1", "by the first", float(first[1]))
-    yield Row("compilation", "the first process with the other element", other[0], "s", "the first process of all", first[0])
-    yield Row("compilation", "functions compiled for the other element", float(other[1]), "1", "by the first of all", float(first[1]))
+    yield Row(
+        "compilation",
+        "a process that finds its kernels on disk, imports and ten steps",
+        second[0],
+        "s",
+        "the first process, which compiles them",
+        first[0],
+    )
+    yield Row(
+        "compilation",
+        "functions compiled by the second process",
+        float(second[1]),
+        "1",
+        "by the first",
+        float(first[1]),
+    )
+    yield Row(
+        "compilation",
+        "the first process with the other element",
+        other[0],
+        "s",
+        "the first process of all",
+        first[0],
+    )
+    yield Row(
+        "compilation",
+        "functions compiled for the other element",
+        float(other[1]),
+        "1",
+        "by the first of all",
+        float(first[1]),
+    )

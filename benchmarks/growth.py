@@ -1,10 +1,13 @@
 """Growth: 240 to 60 000 degrees of freedom.
 
-Longer bodies have the same band, finer ones a wider band; both elements. Each is straight and still at first and thrown into waves as long as the first
-metre (or as the plate), which asks for the same Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A
-body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's SuperLU or, where it is installed, by PARDISO; bodies on
-both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest body, is told. The
-exponent is that of a power law fitted to the bodies above 1000 degrees of freedom.
+Longer bodies have the same band, finer ones a wider band; both elements. Each is straight and still
+at first and thrown into waves as long as the first metre (or as the plate), which asks for the same
+Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the
+plate). A body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by
+SciPy's SuperLU or, where it is installed, by PARDISO; bodies on both sides of that bound are timed
+both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
+body, is told. The exponent is that of a power law fitted to the bodies above 1000 degrees of
+freedom.
 """
 
 import json
@@ -20,8 +23,8 @@ import pandas as pd
 
 from benchmarks.cantilever import NEWMARK, STEPS_PER_PERIOD, build
 from benchmarks.table import Row
-from vibrom.solvers.newmark import Record
-from vibrom.solvers.sparse import PyPardisoSolver
+from vibrom.solvers.full.newmark import Record
+from vibrom.solvers.full.sparse import PyPardisoSolver
 
 WIDEST = NEWMARK.widest_band
 # family -> element, and (cells, length [m], widest band) of its bodies
@@ -30,7 +33,10 @@ FAMILIES = {
     "longer, quadratic": ("quadratic", [((40 * k, 2), 1.0 * k, WIDEST) for k in (1, 4, 16, 64)]),
     "finer, bilinear": ("bilinear", [((40 * k, 2 * k), 1.0, WIDEST) for k in (1, 2, 4, 8, 13)]),
     "finer, quadratic": ("quadratic", [((20 * k, k), 1.0, WIDEST) for k in (1, 2, 4, 8, 18)]),
-    "a square plate, in the band": ("bilinear", [((k, k), "square", 10**6) for k in (20, 40, 80, 120, 170)]),
+    "a square plate, in the band": (
+        "bilinear",
+        [((k, k), "square", 10**6) for k in (20, 40, 80, 120, 170)],
+    ),
     "a square plate, sparse": ("bilinear", [((k, k), "square", 0) for k in (20, 40, 80, 120, 170)]),
 }
 
@@ -42,29 +48,53 @@ def one(element: str, cells: tuple[int, int], length: float | str, widest: int) 
     x, along_y = model.space.dof_location[:, 0], model.space.dof_axis == 1
     frequency = (model if plate else build(("modal_load",))).frequency
     thrown = (0.02 * wave * frequency * (1 - np.cos(2 * np.pi * x / wave)) * along_y)[:, None]
-    newmark, step = replace(NEWMARK, widest_band=widest), np.array([2 * np.pi / frequency / STEPS_PER_PERIOD])
+    newmark, step = (
+        replace(NEWMARK, widest_band=widest),
+        np.array([2 * np.pi / frequency / STEPS_PER_PERIOD]),
+    )
 
     def run(steps: int):
-        return newmark.run(model.term, np.zeros_like(thrown), step, steps, velocity=thrown, initial_acceleration="zero", record=Record(start=steps + 1))
+        return newmark.run(
+            model.term,
+            np.zeros_like(thrown),
+            step,
+            steps,
+            velocity=thrown,
+            initial_acceleration="zero",
+            record=Record(start=steps + 1),
+        )
 
     steps = 5
     motion = run(steps)  # compiles, and warms up
     while (motion := run(steps)).seconds < 0.5:
         steps = int(steps * min(10.0, 0.8 / motion.seconds)) + 1
     assert motion.outcomes == ["ok"]
-    return {"dofs": model.space.size, "seconds": motion.seconds / steps, "memory": peak_memory(),
-            "factors": motion.factorisations / steps}
+    return {
+        "dofs": model.space.size,
+        "seconds": motion.seconds / steps,
+        "memory": peak_memory(),
+        "factors": motion.factorisations / steps,
+    }
 
 
 def peak_memory() -> float:
     """MB that this program has held at most; what `getrusage` tells would include its parent's."""
-    (line,) = [line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM")]
+    (line,) = [
+        line
+        for line in Path("/proc/self/status").read_text().splitlines()
+        if line.startswith("VmHWM")
+    ]
     return int(line.split()[1]) / 1024
 
 
 def apart(*body) -> dict:
     """`one` in a process of its own."""
-    run = subprocess.run([sys.executable, "-m", "benchmarks.growth", json.dumps(body)], stdout=subprocess.PIPE, check=True, text=True)
+    run = subprocess.run(
+        [sys.executable, "-m", "benchmarks.growth", json.dumps(body)],
+        stdout=subprocess.PIPE,
+        check=True,
+        text=True,
+    )
     return json.loads(run.stdout)
 
 
@@ -75,24 +105,51 @@ def measure(note) -> Iterator[Row]:
         found = []
         for body in bodies:
             found.append(apart(element, *body))
-            yield Row("growth", f"time per step, {family}, {found[-1]['dofs']} dofs", 1e3 * found[-1]["seconds"], "ms")
-            yield Row("growth", f"memory beyond the smallest, {family}, {found[-1]['dofs']} dofs", found[-1]["memory"] - found[0]["memory"], "MB")
+            yield Row(
+                "growth",
+                f"time per step, {family}, {found[-1]['dofs']} dofs",
+                1e3 * found[-1]["seconds"],
+                "ms",
+            )
+            yield Row(
+                "growth",
+                f"memory beyond the smallest, {family}, {found[-1]['dofs']} dofs",
+                found[-1]["memory"] - found[0]["memory"],
+                "MB",
+            )
         large = [body for body in found if body["dofs"] > 1000]
         for name in ("seconds", "memory"):
-            values = [body[name] - (found[0]["memory"] if name == "memory" else 0.0) for body in large]
-            power = np.polyfit(np.log([body["dofs"] for body in large]), np.log(np.maximum(values, 1e-9)), 1)[0]
-            yield Row("growth", f"exponent of {'time per step' if name == 'seconds' else 'memory'}, {family}", power, "1")
+            values = [
+                body[name] - (found[0]["memory"] if name == "memory" else 0.0) for body in large
+            ]
+            power = np.polyfit(
+                np.log([body["dofs"] for body in large]), np.log(np.maximum(values, 1e-9)), 1
+            )[0]
+            yield Row(
+                "growth",
+                f"exponent of {'time per step' if name == 'seconds' else 'memory'}, {family}",
+                power,
+                "1",
+            )
 
 
 def figures(rows: pd.DataFrame) -> dict:
     figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.8))
-    for axis, quantity, label in zip(axes, ("time per step", "memory beyond the smallest"), ("time per step [ms]", "memory [MB]")):
+    for axis, quantity, label in zip(
+        axes, ("time per step", "memory beyond the smallest"), ("time per step [ms]", "memory [MB]")
+    ):
         some = rows[rows["quantity"].str.startswith(quantity + ",")]
         parts = some["quantity"].str.extract(r", (.*), (\d+) dofs")
         for number, (family, group) in enumerate(some.groupby(parts[0], sort=False)):
             dofs = parts.loc[group.index, 1].astype(int)
             keep = group["value"] > 0
-            axis.loglog(dofs[keep], group["value"][keep], marker="os^Dv<"[number], markersize=3.5, label=family)
+            axis.loglog(
+                dofs[keep],
+                group["value"][keep],
+                marker="os^Dv<"[number],
+                markersize=3.5,
+                label=family,
+            )
         axis.set(xlabel="degrees of freedom", ylabel=label)
     axes[0].legend()
     return {"growth": figure}

@@ -10,8 +10,8 @@ import torch
 from jinja2 import Environment
 from markupsafe import Markup
 
-from vibrom.hardware import description
-from vibrom.provenance import versions
+from vibrom.artefacts.hardware import description
+from vibrom.artefacts.provenance import versions
 from vibrom.report.page import image, plain, resource
 
 COLUMNS = ["benchmark", "quantity", "value", "unit", "rival", "rival_value", "ratio"]
@@ -19,7 +19,9 @@ COLUMNS = ["benchmark", "quantity", "value", "unit", "rival", "rival_value", "ra
 
 @dataclass(frozen=True)
 class Section:
-    """What one benchmark found: its rows, figures (name -> SVG), seconds that it took, and the machine."""
+    """What one benchmark found: its rows, figures (name -> SVG), seconds that it took, and the
+    machine.
+    """
 
     name: str
     title: str
@@ -38,8 +40,14 @@ def words(docstring: str) -> tuple[str, list[str]]:
 
 def machine() -> dict[str, str]:
     told = description()
-    return {"processor": told["processor"], "cores": str(told["cores"]), "load when it ended": str(told["load"]),
-            "instruction set": torch.backends.cpu.get_cpu_capability(), "compiler": f"numba {numba.__version__}", "python": platform.python_version()}
+    return {
+        "processor": told["processor"],
+        "cores": str(told["cores"]),
+        "load when it ended": str(told["load"]),
+        "instruction set": torch.backends.cpu.get_cpu_capability(),
+        "compiler": f"numba {numba.__version__}",
+        "python": platform.python_version(),
+    }
 
 
 def table(sections: list[Section]) -> pd.DataFrame:
@@ -51,15 +59,37 @@ def compose(sections: list[Section]) -> str:
         def number(value: float) -> str:
             return "" if pd.isna(value) else f"{value:.4g}"
 
-        cells = {"quantity": frame["quantity"], "value": frame["value"].map(number), "unit": frame["unit"], "rival": frame["rival"],
-                 "rival's value": frame["rival_value"].map(number), "times better": frame["ratio"].map(lambda value: "" if pd.isna(value) else f"{value:.3g}")}
-        return plain(pd.DataFrame({key: column for key, column in cells.items() if (column != "").any()}))
+        cells = {
+            "quantity": frame["quantity"],
+            "value": frame["value"].map(number),
+            "unit": frame["unit"],
+            "rival": frame["rival"],
+            "rival's value": frame["rival_value"].map(number),
+            "times better": frame["ratio"].map(
+                lambda value: "" if pd.isna(value) else f"{value:.3g}"
+            ),
+        }
+        return plain(
+            pd.DataFrame({key: column for key, column in cells.items() if (column != "").any()})
+        )
 
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     template = Path(__file__).with_name("page.html.j2").read_text(encoding="utf-8")
     return environment.from_string(template).render(
-        css=Markup(resource("page.css")), versions=versions(["numpy", "scipy", "skfem", "numba", "torch"]),
-        sections=[{"name": section.name, "title": section.title, "paragraphs": section.paragraphs, "seconds": round(section.seconds), "machine": section.machine,
-                   "table": shown(pd.DataFrame(section.rows)) if section.rows else None,
-                   "figures": {name: image({"svg": drawn.encode()}) for name, drawn in section.figures.items()}}
-                  for section in sections])
+        css=Markup(resource("page.css")),
+        versions=versions(["numpy", "scipy", "skfem", "numba", "torch"]),
+        sections=[
+            {
+                "name": section.name,
+                "title": section.title,
+                "paragraphs": section.paragraphs,
+                "seconds": round(section.seconds),
+                "machine": section.machine,
+                "table": shown(pd.DataFrame(section.rows)) if section.rows else None,
+                "figures": {
+                    name: image({"svg": drawn.encode()}) for name, drawn in section.figures.items()
+                },
+            }
+            for section in sections
+        ],
+    )

@@ -22,12 +22,20 @@ class Row:
 
     @property
     def ratio(self) -> float:
-        over, under = (self.rival_value, self.value) if self.better == "lower" else (self.value, self.rival_value)
+        over, under = (
+            (self.rival_value, self.value)
+            if self.better == "lower"
+            else (self.value, self.rival_value)
+        )
         return over / under if under else NAN
 
 
-def paired(calls: dict[str, Callable[[], object]], repeats: int = 5, warm_up: bool = True) -> dict[str, float]:
-    """Median wall seconds of each call. They take turns, so that a slow moment of the machine meets all of them; the first round is not counted."""
+def paired(
+    calls: dict[str, Callable[[], object]], repeats: int = 5, warm_up: bool = True
+) -> dict[str, float]:
+    """Median wall seconds of each call. They take turns, so that a slow moment of the machine meets
+    all of them; the first round is not counted.
+    """
     seconds: dict[str, list[float]] = {name: [] for name in calls}
     for turn in range(repeats + warm_up):
         for name, call in calls.items():

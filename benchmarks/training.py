@@ -1,19 +1,24 @@
 """Training: seconds to accuracy.
 
-What counts is not epochs per second but the time until a network predicts well. The clock covers coordinates, training and making the model,
-from data in memory; importing, compiling and judging are not in it. It counts processor time of one thread, which is what a wall clock shows on
-an idle core. Models are judged on the test decay, which no training sees, by reconstruction (the model's own coordinates) and by decay (released
-and left alone), both as NMTE. A bound counts as reached at the first look from which on the error stays below it; a training is looked at 24
-times, and clocked three times.
+What counts is not epochs per second but the time until a network predicts well. The clock covers
+coordinates, training and making the model, from data in memory; importing, compiling and judging
+are not in it. It counts processor time of one thread, which is what a wall clock shows on an idle
+core. Models are judged on the test decay, which no training sees, by reconstruction (the model's
+own coordinates) and by decay (released and left alone), both as NMTE. A bound counts as reached at
+the first look from which on the error stays below it; a training is looked at 24 times, and clocked
+three times.
 
-Each method's default is timed on each scene until it is as good as the thesis's model, whose training took 1.6 hours on another machine. Then
-SPLIT on the folding scene is trained in other ways from the same seed on the same loss: other optimisers, samples, coordinates,
-precision. Adam and L-BFGS have the steps and the rate that suited them best in trials, the others those of the default; L-BFGS starts from 200
-steps of Adam. All use the gradient of `vibrom.latent`; steps of L-BFGS are evaluations of the loss.
+Each method's default is timed on each scene until it is as good as the thesis's model, whose
+training took 1.6 hours on another machine. Then SPLIT on the folding scene is trained in other ways
+from the same seed on the same loss: other optimisers, samples, coordinates, precision. Adam and
+L-BFGS have the steps and the rate that suited them best in trials, the others those of the default;
+L-BFGS starts from 200 steps of Adam. All use the gradient of `vibrom.latent`; steps of L-BFGS are
+evaluations of the loss.
 
-Last comes the thesis's literal recipe (displacements, physical time, ELU, batches of 1024, Adam): iterations per second by the wall clock,
-against the same written with torch's own modules, forward-mode derivatives and automatic differentiation, and against what the thesis's table of
-run times gives. Where there is a GPU, it then trains too.
+Last comes the thesis's literal recipe (displacements, physical time, ELU, batches of 1024, Adam):
+iterations per second by the wall clock, against the same written with torch's own modules,
+forward-mode derivatives and automatic differentiation, and against what the thesis's table of run
+times gives. Where there is a GPU, it then trains too.
 """
 
 import time
@@ -31,15 +36,15 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from benchmarks.rivals import autograd_split
 from benchmarks.table import NAN, Row, paired
-from vibrom.data import open_dataset
+from vibrom.artefacts.data import open_dataset
 from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.training import Learner, Schedule, epochs, warm_up
-from vibrom.nmte import nmte_percent
-from vibrom.observed import structure, trajectory
+from vibrom.models.measures import nmte_percent
+from vibrom.models.recorded import structure, trajectory
+from vibrom.models.reduced import Integrator, decode_displacement, rollout
+from vibrom.models.rom import Rom, Training, method_from_settings
 from vibrom.report.figures.style import look
-from vibrom.report.thesis import LABELS, percent, run_time
-from vibrom.rollout import Integrator, decode_displacement, rollout
-from vibrom.rom import Rom, Training, method_from_settings
+from vibrom.thesis.published import LABELS, percent, run_time
 
 SCENES = ("small", "large", "folding")
 METHODS = ("decoupled_autoencoder", "sindy_autoencoder", "split")
@@ -47,13 +52,16 @@ LOOKS = 24  # at an error curve
 ROUNDS = 3  # of each training; their median clock counts
 BOUNDS = (0.25, 0.16)  # percent reconstruction, on the folding scene; the default ends near 0.15
 BATCH, ITERATIONS = 1024, 40  # of the literal recipe
-# 15 000 epochs of 29 996 samples in batches of 1000, in the seconds of the thesis's table of run times
+# 15 000 epochs of 29 996 samples in batches of 1000, in the seconds of the thesis's table of run
+# times
 THESIS_ITERATIONS = 15_000 * 30
 
 
 @dataclass
 class Curve:
-    """Errors [%] and losses of one training at several looks; `seconds` are those to have that model."""
+    """Errors [%] and losses of one training at several looks; `seconds` are those to have that
+    model.
+    """
 
     seconds: list[float] = field(default_factory=list)
     reconstruction: list[float] = field(default_factory=list)
@@ -73,8 +81,15 @@ CURVES: dict[str, dict[str, Curve]] = {}  # figure -> label -> curve, of the las
 @cache
 def data(scene: str) -> Training:
     folder = Path("results") / scene / "full_order"
-    motions = [trajectory(open_dataset(folder / f"{role}.nc", "trajectory")) for role in ("train", "test")]
-    return Training((motions[0],), (motions[1],), structure(open_dataset(folder / "structure.nc", "structure")), seed=0)
+    motions = [
+        trajectory(open_dataset(folder / f"{role}.nc", "trajectory")) for role in ("train", "test")
+    ]
+    return Training(
+        (motions[0],),
+        (motions[1],),
+        structure(open_dataset(folder / "structure.nc", "structure")),
+        seed=0,
+    )
 
 
 def settings(method: str) -> dict:
@@ -83,31 +98,55 @@ def settings(method: str) -> dict:
 
 def reconstruction(rom: Rom, scene: str) -> float:
     test = data(scene).test[0]
-    return nmte_percent(np.linalg.norm(test.displacement - decode_displacement(rom, rom.encode(test.state)), axis=1), test.displacement)
+    return nmte_percent(
+        np.linalg.norm(
+            test.displacement - decode_displacement(rom, rom.encode(test.state)), axis=1
+        ),
+        test.displacement,
+    )
 
 
 def decay(rom: Rom, scene: str) -> float:
     test = data(scene).test[0]
     run = rollout(rom, rom.encode(test.state[:1]), (test.time - test.time[0])[None], Integrator())
-    return nmte_percent(np.linalg.norm(test.displacement - decode_displacement(rom, run.reduced[0]), axis=1), test.displacement)
+    return nmte_percent(
+        np.linalg.norm(test.displacement - decode_displacement(rom, run.reduced[0]), axis=1),
+        test.displacement,
+    )
 
 
-Steps = Callable[[Learner, Schedule, torch.Tensor], Iterator[int]]  # trains, and yields the number of steps done
+Steps = Callable[
+    [Learner, Schedule, torch.Tensor], Iterator[int]
+]  # trains, and yields the number of steps done
 
 
 def soap_or_adam(learner: Learner, schedule: Schedule, c: torch.Tensor) -> Iterator[int]:
-    for epoch, _ in epochs(learner, OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes), schedule, c):
+    for epoch, _ in epochs(
+        learner, OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes), schedule, c
+    ):
         yield epoch
 
 
 def lbfgs(learner: Learner, schedule: Schedule, c: torch.Tensor) -> Iterator[int]:
     """Adam first, then L-BFGS; a step of that is one evaluation of the loss."""
     first = 200
-    for epoch, _ in epochs(learner, OPTIMISERS["adam"](learner.vector, learner.shapes), replace(schedule, epochs=first), c):
+    for epoch, _ in epochs(
+        learner,
+        OPTIMISERS["adam"](learner.vector, learner.shapes),
+        replace(schedule, epochs=first),
+        c,
+    ):
         yield epoch
     done = first
-    optimiser = torch.optim.LBFGS([learner.vector], max_iter=20, max_eval=25, history_size=50, line_search_fn="strong_wolfe", tolerance_grad=0,
-                                  tolerance_change=0)
+    optimiser = torch.optim.LBFGS(
+        [learner.vector],
+        max_iter=20,
+        max_eval=25,
+        history_size=50,
+        line_search_fn="strong_wolfe",
+        tolerance_grad=0,
+        tolerance_change=0,
+    )
 
     def evaluate() -> torch.Tensor:
         nonlocal done
@@ -125,7 +164,13 @@ def library_soap(learner: Learner, schedule: Schedule, c: torch.Tensor) -> Itera
     """SOAP of the package pytorch_optimizer, on the same loss and gradient."""
     from pytorch_optimizer import SOAP
 
-    optimiser = SOAP(learner.parts, lr=schedule.learning_rate, betas=(0.9, 0.95), weight_decay=0.0, precondition_frequency=5)
+    optimiser = SOAP(
+        learner.parts,
+        lr=schedule.learning_rate,
+        betas=(0.9, 0.95),
+        weight_decay=0.0,
+        precondition_frequency=5,
+    )
     for part, slope in zip(learner.parts, learner.slopes):
         part.grad = slope
     for step in range(schedule.epochs):
@@ -136,16 +181,30 @@ def library_soap(learner: Learner, schedule: Schedule, c: torch.Tensor) -> Itera
         yield step + 1
 
 
-def curve(method: str, scene: str, changes: dict, steps: Steps = soap_or_adam, looks: int = LOOKS) -> Curve:
-    """Trains a few times, which is the same training each time; the first time it stops the clock and looks at the model on the way."""
-    chosen, training, found = method_from_settings(method, settings(method) | changes), data(scene), Curve()
+def curve(
+    method: str, scene: str, changes: dict, steps: Steps = soap_or_adam, looks: int = LOOKS
+) -> Curve:
+    """Trains a few times, which is the same training each time; the first time it stops the clock
+    and looks at the model on the way.
+    """
+    chosen, training, found = (
+        method_from_settings(method, settings(method) | changes),
+        data(scene),
+        Curve(),
+    )
     marks = sorted({*np.geomspace(10, chosen.epochs, looks).round().astype(int).tolist()})
     clocks, making = [], []
     for turn in range(ROUNDS):
         ahead, clock, spent, began = list(marks), [], 0.0, time.process_time()
         problem, schedule = chosen.problem(training), chosen.plan()
         dtype = getattr(torch, schedule.precision)
-        learner = Learner(problem.autoencoder, problem.dynamics, dtype, problem.device, torch.Generator().manual_seed(training.seed))
+        learner = Learner(
+            problem.autoencoder,
+            problem.dynamics,
+            dtype,
+            problem.device,
+            torch.Generator().manual_seed(training.seed),
+        )
         for done in steps(learner, schedule, torch.tensor(problem.train, dtype=dtype)):
             if done < ahead[0]:
                 continue
@@ -184,7 +243,11 @@ class Way:
 
 WAYS = (
     Way("Adam, one cycle", {"optimiser": "adam", "learning_rate": 4e-3, "epochs": 2000}),
-    Way("L-BFGS after 200 steps of Adam", {"optimiser": "adam", "learning_rate": 4e-3, "epochs": 1500}, lbfgs),
+    Way(
+        "L-BFGS after 200 steps of Adam",
+        {"optimiser": "adam", "learning_rate": 4e-3, "epochs": 1500},
+        lbfgs,
+    ),
     Way("SOAP of pytorch_optimizer", {}, library_soap),
     Way("every sample instead of every 10th", {"every": 1}),
     Way("every 20th sample", {"every": 20}),
@@ -194,13 +257,19 @@ WAYS = (
 
 
 def measure(note: Callable[[str], None]) -> Iterator[Row]:
-    for path in (Path("results") / scene / "full_order" / f"{name}.nc" for scene in SCENES for name in ("train", "test", "structure")):
+    for path in (
+        Path("results") / scene / "full_order" / f"{name}.nc"
+        for scene in SCENES
+        for name in ("train", "test", "structure")
+    ):
         if not path.is_file():
             note(f"{path} is missing: run `make` first")
             return
     torch.set_num_threads(1)
     warm_up(torch.device("cpu"))
-    decay(method_from_settings("split", settings("split") | {"epochs": 2}).fit(data("small")), "small")  # compiles
+    decay(
+        method_from_settings("split", settings("split") | {"epochs": 2}).fit(data("small")), "small"
+    )  # compiles
     CURVES.clear()
     for scene in SCENES:
         for method in METHODS:
@@ -213,17 +282,47 @@ def measure(note: Callable[[str], None]) -> Iterator[Row]:
 
 
 def default_rows(scene: str, method: str, found: Curve) -> Iterator[Row]:
-    """Seconds to be as good as the thesis's model, and how good it is in the end; SPLIT+ is a regression on the networks of SPLIT."""
+    """Seconds to be as good as the thesis's model, and how good it is in the end; SPLIT+ is a
+    regression on the networks of SPLIT.
+    """
     name, published = f"{LABELS[method]}, {scene}", run_time("obtain_mapping_s", scene, method)
     thesis = "the thesis, its whole training (another machine)"
     for quantity, errors in (("reconstruction", found.reconstruction), ("decay", found.decay)):
         until = found.until(errors, percent(quantity, scene, method)[0])
-        yield Row("training", f"{name}: seconds until the thesis's {quantity}", until, "s", thesis, published)
+        yield Row(
+            "training",
+            f"{name}: seconds until the thesis's {quantity}",
+            until,
+            "s",
+            thesis,
+            published,
+        )
     yield Row("training", f"{name}: whole training", found.seconds[-1], "s", thesis, published)
-    yield Row("training", f"{name}: reconstruction", found.reconstruction[-1], "%", "the thesis", percent("reconstruction", scene, method)[0])
-    yield Row("training", f"{name}: decay", found.decay[-1], "%", "the thesis", percent("decay", scene, method)[0])
+    yield Row(
+        "training",
+        f"{name}: reconstruction",
+        found.reconstruction[-1],
+        "%",
+        "the thesis",
+        percent("reconstruction", scene, method)[0],
+    )
+    yield Row(
+        "training",
+        f"{name}: decay",
+        found.decay[-1],
+        "%",
+        "the thesis",
+        percent("decay", scene, method)[0],
+    )
     if found.corrected:
-        yield Row("training", f"SPLIT+, {scene}: decay", found.corrected[-1], "%", "the thesis", percent("decay", scene, "split_plus")[0])
+        yield Row(
+            "training",
+            f"SPLIT+, {scene}: decay",
+            found.corrected[-1],
+            "%",
+            "the thesis",
+            percent("decay", scene, "split_plus")[0],
+        )
 
 
 def other_rows(note: Callable[[str], None]) -> Iterator[Row]:
@@ -242,47 +341,122 @@ def other_rows(note: Callable[[str], None]) -> Iterator[Row]:
             until, late = other.until(other.reconstruction, bound), ""
             if not np.isfinite(until):
                 until, late = other.seconds[-1], " (not reached by its end)"
-            yield Row("training", f"SPLIT, folding: seconds until {bound} % reconstruction", default.until(default.reconstruction, bound), "s",
-                      way.name + late, until)
-        yield Row("training", "SPLIT, folding: reconstruction in the end", default.reconstruction[-1], "%", way.name, other.reconstruction[-1])
-        yield Row("training", "SPLIT, folding: decay in the end", default.decay[-1], "%", way.name, other.decay[-1])
+            yield Row(
+                "training",
+                f"SPLIT, folding: seconds until {bound} % reconstruction",
+                default.until(default.reconstruction, bound),
+                "s",
+                way.name + late,
+                until,
+            )
+        yield Row(
+            "training",
+            "SPLIT, folding: reconstruction in the end",
+            default.reconstruction[-1],
+            "%",
+            way.name,
+            other.reconstruction[-1],
+        )
+        yield Row(
+            "training",
+            "SPLIT, folding: decay in the end",
+            default.decay[-1],
+            "%",
+            way.name,
+            other.decay[-1],
+        )
 
 
 def literal_rows(note: Callable[[str], None]) -> Iterator[Row]:
     """The thesis's literal recipe: iterations per second."""
     note("the literal recipe")
-    literal = yaml.safe_load(Path("config/thesis_literal.yaml").read_text())["method_settings"]["split"]
+    literal = yaml.safe_load(Path("config/thesis_literal.yaml").read_text())["method_settings"][
+        "split"
+    ]
     chosen = method_from_settings("split", settings("split") | literal)
     problem = chosen.problem(data("folding"))
-    c = torch.tensor(problem.train[:, : BATCH * (problem.train.shape[1] // BATCH)], dtype=torch.float32)
-    learner = Learner(problem.autoencoder, problem.dynamics, torch.float32, problem.device, torch.Generator().manual_seed(0))
+    c = torch.tensor(
+        problem.train[:, : BATCH * (problem.train.shape[1] // BATCH)], dtype=torch.float32
+    )
+    learner = Learner(
+        problem.autoencoder,
+        problem.dynamics,
+        torch.float32,
+        problem.device,
+        torch.Generator().manual_seed(0),
+    )
     rounds = replace(chosen.plan(), batch=BATCH, epochs=ITERATIONS * BATCH // c.shape[1])
     steps = rounds.epochs * c.shape[1] // BATCH
     torch.manual_seed(0)
     dynamics = problem.dynamics
-    linear, powers = torch.tensor(dynamics.linear, dtype=torch.float32), torch.tensor(dynamics.powers)
+    linear, powers = (
+        torch.tensor(dynamics.linear, dtype=torch.float32),
+        torch.tensor(dynamics.powers),
+    )
     model = autograd_split.Split(c.shape[-1], linear, powers, dynamics.full, dynamics.reduced)
 
     def ours() -> None:
         for _ in epochs(learner, OPTIMISERS["adam"](learner.vector, learner.shapes), rounds, c):
             pass
 
-    seconds = paired({"ours": ours, "rival": lambda: autograd_split.iterations(model, c, BATCH, steps, chosen.learning_rate)}, repeats=5)
-    for rival, rate in (("torch modules and automatic differentiation", steps / seconds["rival"]),
-                        ("the thesis (another machine)", THESIS_ITERATIONS / run_time("obtain_mapping_s", "folding", "split"))):
-        yield Row("training", "literal recipe, SPLIT, folding: iterations per second", steps / seconds["ours"], "1/s", rival, rate, "higher")
+    seconds = paired(
+        {
+            "ours": ours,
+            "rival": lambda: autograd_split.iterations(
+                model, c, BATCH, steps, chosen.learning_rate
+            ),
+        },
+        repeats=5,
+    )
+    for rival, rate in (
+        ("torch modules and automatic differentiation", steps / seconds["rival"]),
+        (
+            "the thesis (another machine)",
+            THESIS_ITERATIONS / run_time("obtain_mapping_s", "folding", "split"),
+        ),
+    ):
+        yield Row(
+            "training",
+            "literal recipe, SPLIT, folding: iterations per second",
+            steps / seconds["ours"],
+            "1/s",
+            rival,
+            rate,
+            "higher",
+        )
 
 
 def device_rows(note: Callable[[str], None]) -> Iterator[Row]:
-    """A whole training on a GPU, where there is one, and on a core of the processor, by the wall clock."""
+    """A whole training on a GPU, where there is one, and on a core of the processor, by the wall
+    clock.
+    """
     if not torch.cuda.is_available():
         note("no GPU on this machine")
         return
-    for text, changes in (("default", {}), ("every sample", {"every": 1}), ("every sample, all 240 displacements", {"every": 1, "rank": 0})):
+    for text, changes in (
+        ("default", {}),
+        ("every sample", {"every": 1}),
+        ("every sample, all 240 displacements", {"every": 1, "rank": 0}),
+    ):
         note(f"folding: split on a GPU, {text}")
         chosen = method_from_settings("split", settings("split") | changes)
-        seconds = paired({device: lambda device=device, chosen=chosen: chosen.fit(replace(data("folding"), device=device)) for device in ("cuda", "cpu")}, repeats=3)
-        yield Row("training", f"SPLIT, folding, {text}: whole training on {torch.cuda.get_device_name()}", seconds["cuda"], "s", "one core", seconds["cpu"])
+        seconds = paired(
+            {
+                device: lambda device=device, chosen=chosen: chosen.fit(
+                    replace(data("folding"), device=device)
+                )
+                for device in ("cuda", "cpu")
+            },
+            repeats=3,
+        )
+        yield Row(
+            "training",
+            f"SPLIT, folding, {text}: whole training on {torch.cuda.get_device_name()}",
+            seconds["cuda"],
+            "s",
+            "one core",
+            seconds["cpu"],
+        )
 
 
 def figures(rows: pd.DataFrame) -> dict[str, Figure]:
@@ -293,15 +467,29 @@ def figures(rows: pd.DataFrame) -> dict[str, Figure]:
         axes = figure.subplots(1, 2)
         for axis, quantity in zip(axes, ("reconstruction", "decay")):
             for index, (label, found) in enumerate(curves.items()):
-                axis.loglog(found.seconds, getattr(found, quantity), **look(index, marker="", label=label))
+                axis.loglog(
+                    found.seconds, getattr(found, quantity), **look(index, marker="", label=label)
+                )
             scene = name if name in SCENES else "folding"
             for index, method in enumerate(METHODS if name in SCENES else ("split",)):
-                thesis = {key: look(index)[key] for key in ("color", "linestyle")} if name in SCENES else {"color": "0.3"}
+                thesis = (
+                    {key: look(index)[key] for key in ("color", "linestyle")}
+                    if name in SCENES
+                    else {"color": "0.3"}
+                )
                 axis.axhline(percent(quantity, scene, method)[0], linewidth=0.6, **thesis)
-            axis.set(title=f"{name}: {quantity} (thin: the thesis)", xlabel="seconds of training", ylabel="NMTE / %")
+            axis.set(
+                title=f"{name}: {quantity} (thin: the thesis)",
+                xlabel="seconds of training",
+                ylabel="NMTE / %",
+            )
             axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.xaxis.set_major_formatter(FormatStrFormatter("%g"))
             axis.xaxis.set_minor_formatter(NullFormatter())
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3 if len(curves) == 3 else 2)
+        figure.legend(
+            *axes[0].get_legend_handles_labels(),
+            loc="outside lower center",
+            ncols=3 if len(curves) == 3 else 2,
+        )
         drawn[f"training_{name.replace(' ', '_')}"] = figure
     return drawn

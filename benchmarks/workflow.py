@@ -1,7 +1,8 @@
 """Where the time of the main job goes.
 
-Seconds of every rule from Snakemake's benchmark files in `results/benchmarks`, as the last main job left them: run `make` first. The wall time is from the
-start of the first job to the end of the last. Planning the whole graph anew (`snakemake --dry-run`) is timed here.
+Seconds of every rule from Snakemake's benchmark files in `results/benchmarks`, as the last main job
+left them: run `make` first. The wall time is from the start of the first job to the end of the
+last. Planning the whole graph anew (`snakemake --dry-run`) is timed here.
 """
 
 import subprocess
@@ -23,21 +24,44 @@ def jobs() -> pd.DataFrame:
     for path in FOLDER.rglob("*.tsv"):
         table, place = pd.read_csv(path, sep="\t"), path.relative_to(FOLDER).parts
         kind = "full order" if "full_order" in place else place[1] if len(place) > 2 else "report"
-        found.append({"rule": path.stem, "model": kind, "seconds": float(table["s"][0]), "processor": pd.to_numeric(table["cpu_time"], errors="coerce")[0],
-                      "end": path.stat().st_mtime})
+        found.append(
+            {
+                "rule": path.stem,
+                "model": kind,
+                "seconds": float(table["s"][0]),
+                "processor": pd.to_numeric(table["cpu_time"], errors="coerce")[0],
+                "end": path.stat().st_mtime,
+            }
+        )
     return pd.DataFrame(found)
 
 
 def measure(note) -> Iterator[Row]:
     done = jobs()
     if len(done):
-        yield Row("workflow", f"main job, {len(done)} timed jobs, wall time", done["end"].max() - (done["end"] - done["seconds"]).min(), "s")
-        for (model, rule), group in sorted(done.groupby(["model", "rule"]), key=lambda item: -item[1]["seconds"].sum()):
-            yield Row("workflow", f"{model}: {rule}, {len(group)} jobs", group["seconds"].sum(), "s")
+        yield Row(
+            "workflow",
+            f"main job, {len(done)} timed jobs, wall time",
+            done["end"].max() - (done["end"] - done["seconds"]).min(),
+            "s",
+        )
+        for (model, rule), group in sorted(
+            done.groupby(["model", "rule"]), key=lambda item: -item[1]["seconds"].sum()
+        ):
+            yield Row(
+                "workflow", f"{model}: {rule}, {len(group)} jobs", group["seconds"].sum(), "s"
+            )
     else:
         note("no benchmark files: run the main job first")
     snakemake = [str(Path(sys.executable).with_name("snakemake")), "--dry-run", "--quiet", "all"]
-    seconds = paired({"dry": lambda: subprocess.run(snakemake, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)}, repeats=5)
+    seconds = paired(
+        {
+            "dry": lambda: subprocess.run(
+                snakemake, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True
+            )
+        },
+        repeats=5,
+    )
     yield Row("workflow", "dry run of the whole graph", seconds["dry"], "s")
 
 
@@ -46,12 +70,20 @@ def figures(rows: pd.DataFrame) -> dict:
     if parts.empty:
         return {}
     total = rows.loc[parts.index].assign(model=parts[0], rule=parts[1])
-    table = total.pivot_table(index="rule", columns="model", values="value", aggfunc="sum").fillna(0.0)
+    table = total.pivot_table(index="rule", columns="model", values="value", aggfunc="sum").fillna(
+        0.0
+    )
     table = table.loc[table.sum(axis=1).sort_values().index]
     figure, axis = plt.subplots(figsize=(7.2, 0.2 * len(table) + 0.8))
     left = pd.Series(0.0, index=table.index)
     for number, model in enumerate(table.columns):
-        axis.barh(table.index, table[model], left=left, color=plt.get_cmap("tab10")(number % 10), label=model)
+        axis.barh(
+            table.index,
+            table[model],
+            left=left,
+            color=plt.get_cmap("tab10")(number % 10),
+            label=model,
+        )
         left += table[model]
     axis.set(xlabel="seconds, all jobs of a rule")
     axis.legend(loc="lower right")

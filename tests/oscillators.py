@@ -11,4 +11,6 @@ def linear_rom(reach=np.array([1.0, OMEGA]), force=np.eye(1)):
     """x = z,  z'' = -OMEGA^2 z - DAMPING z' + p u."""
     one = np.eye(2, dtype=np.int64)
     dynamics = np.array([[0.0, 1.0], [-(OMEGA**2), -DAMPING]])
-    return PolynomialRom(reach, np.eye(1), reach, np.eye(2) * reach, one, dynamics * reach, one, force)
+    return PolynomialRom(
+        reach, np.eye(1), reach, np.eye(2) * reach, one, dynamics * reach, one, force
+    )

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vibrom.data import DataError, label, open_dataset, save_dataset, scored, variable
+from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, scored, variable
 
 
 def release(value=1.0):
-    dataset = xr.Dataset({"displacement": variable(("role", "dof"), np.full((2, 3), value), "m", "displacement")})
+    dataset = xr.Dataset(
+        {"displacement": variable(("role", "dof"), np.full((2, 3), value), "m", "displacement")}
+    )
     return label(dataset, "release", scene="small", method="full_order")
 
 
@@ -35,7 +37,9 @@ def test_truncated_file(tmp_path):
     save_dataset(release(), tmp_path / "a.nc")
     whole = (tmp_path / "a.nc").read_bytes()
     (tmp_path / "a.nc").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(DataError, match="a.nc: not a readable netCDF file .* delete it and run again"):
+    with pytest.raises(
+        DataError, match="a.nc: not a readable netCDF file .* delete it and run again"
+    ):
         open_dataset(tmp_path / "a.nc", "release")
 
 
@@ -53,14 +57,20 @@ def test_full_disk_leaves_the_finished_file(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
-    with pytest.raises(DataError, match="a.nc: cannot be written .*No space left on device.* free space"):
+    with pytest.raises(
+        DataError, match="a.nc: cannot be written .*No space left on device.* free space"
+    ):
         save_dataset(release(2.0), tmp_path / "a.nc")
     assert (tmp_path / "a.nc").read_bytes() == before and len(list(tmp_path.iterdir())) == 1
 
 
 def test_scores_survive(tmp_path):
-    dataset = scored(release(), {"nmte_percent": 1.5, "count": 2.0}, {"nmte_percent": "percent", "count": "1"})
+    dataset = scored(
+        release(), {"nmte_percent": 1.5, "count": 2.0}, {"nmte_percent": "percent", "count": "1"}
+    )
     save_dataset(dataset, tmp_path / "a.nc")
     again = open_dataset(tmp_path / "a.nc", "release")
     assert again["score"].values.tolist() == ["nmte_percent", "count"]
-    assert again["score_value"].values.tolist() == [1.5, 2.0] and again["score_unit"].values.tolist() == ["percent", "1"]
+    assert again["score_value"].values.tolist() == [1.5, 2.0] and again[
+        "score_unit"
+    ].values.tolist() == ["percent", "1"]

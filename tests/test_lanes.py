@@ -10,19 +10,35 @@ import pytest
 from numba import njit
 from numba.core.errors import TypingError
 
-from vibrom.lanes import WIDTH, cut, edition, entry, fill, floor, load, paste, positive, power_of_two, room, sqrt, store
+from vibrom.kernels.lanes import (
+    WIDTH,
+    cut,
+    edition,
+    entry,
+    fill,
+    floor,
+    get,
+    paste,
+    positive,
+    power_of_two,
+    put,
+    room,
+    sqrt,
+)
 
 
 def evaluate(width, function, *rows):
     """function of lanes loaded from each row (width,)."""
     if len(rows) == 1:
+
         @njit
         def run(arrays, out):
-            store(out, 0, function(load(arrays, 0, width)))
+            put(out, 0, function(get(arrays, 0, width)))
     else:
+
         @njit
         def run(arrays, out):
-            store(out, 0, function(load(arrays, 0, width), load(arrays, 1, width)))
+            put(out, 0, function(get(arrays, 0, width), get(arrays, 1, width)))
 
     out = np.zeros((1, width))
     run(np.stack(rows), out)
@@ -30,8 +46,12 @@ def evaluate(width, function, *rows):
 
 
 OPERATIONS = {
-    "sum": lambda x, y: x + y, "difference": lambda x, y: x - y, "product": lambda x, y: x * y, "quotient": lambda x, y: x / y,
-    "number on the left": lambda x, y: 2.0 / x - 3 * y, "number on the right": lambda x, y: (x - 1.5) * 2 + y,
+    "sum": lambda x, y: x + y,
+    "difference": lambda x, y: x - y,
+    "product": lambda x, y: x * y,
+    "quotient": lambda x, y: x / y,
+    "number on the left": lambda x, y: 2.0 / x - 3 * y,
+    "number on the right": lambda x, y: (x - 1.5) * 2 + y,
 }
 
 
@@ -41,7 +61,9 @@ def test_arithmetic(name, width):
     x, y = np.random.default_rng(1).uniform(0.5, 2.0, (2, width))
     function = OPERATIONS[name]
     # Two roundings, or one where a product and a sum became one instruction.
-    np.testing.assert_allclose(evaluate(width, njit(function), x, y), function(x, y), rtol=1e-14, atol=1e-15)
+    np.testing.assert_allclose(
+        evaluate(width, njit(function), x, y), function(x, y), rtol=1e-14, atol=1e-15
+    )
 
 
 def test_root_negative_and_growing_sums():
@@ -70,11 +92,13 @@ def test_entries_are_shared_by_states_and_differ_between_elements(states):
 
     @njit
     def run(table, out):
-        store(out, 0, entry(table, 1, 3, states))
+        put(out, 0, entry(table, 1, 3, states))
 
     table, out = np.arange(40.0).reshape(2, 20), np.zeros((1, width))
     run(table, out)
-    np.testing.assert_array_equal(out[0], table[1, 3:3 + width] if states == 1 else np.full(states, table[1, 3]))
+    np.testing.assert_array_equal(
+        out[0], table[1, 3 : 3 + width] if states == 1 else np.full(states, table[1, 3])
+    )
 
 
 def test_choices_and_powers_of_two():
@@ -88,7 +112,10 @@ def test_choices_and_powers_of_two():
 
     x = np.array([0.5, 1.5, np.nan, -3.0])
     np.testing.assert_array_equal(evaluate(4, choose, x), [-2.0, 1.5, -2.0, -2.0])
-    np.testing.assert_array_equal(evaluate(4, scale, np.array([0.9, -1.2, 1000.0, -1022.0])), [1.0, 0.25, 2.0**1000, 2.0**-1022])
+    np.testing.assert_array_equal(
+        evaluate(4, scale, np.array([0.9, -1.2, 1000.0, -1022.0])),
+        [1.0, 0.25, 2.0**1000, 2.0**-1022],
+    )
 
 
 def test_lanes_from_any_place():
@@ -105,17 +132,19 @@ def test_lanes_from_any_place():
 def test_rooms_begin_at_a_cache_line(make):
     rooms = [make(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
     assert all(one.ctypes.data % 64 == 0 and one.flags.c_contiguous for one in rooms)
-    assert [one.shape for one in rooms] == [(rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)]
+    assert [one.shape for one in rooms] == [
+        (rows, width) for rows in (1, 7, 5000) for width in (1, 8, 16)
+    ]
 
 
 def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
     @njit
     def mixed(x):
-        return load(x, 0, 4) + load(x, 1, 8)
+        return get(x, 0, 4) + get(x, 1, 8)
 
     @njit
     def number(x):
-        store(x, 0, 1.0)
+        put(x, 0, 1.0)
 
     with pytest.raises(TypingError, match="do not go together"):
         mixed(np.zeros((2, 8)))
@@ -126,23 +155,34 @@ def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
 
 
 def test_specialisations_of_several_processes_are_told_apart(tmp_path):
-    """Each width is compiled by a process of its own; one that finds both on disk must call the right one."""
-    code = ("import sys, numpy as np; from numba import njit, types; from vibrom.solvers.banded import kernels\n"
-            "band = types.float64[:, :, ::1]\n"
-            "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"  # as the time loop calls it
-            "for width in map(int, sys.argv[1:]):\n"
-            "    matrix = np.full((5, 1, width), 4.0)\n"
-            "    call(kernels(width)[3], matrix)\n"
-            "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)")
+    """Each width is compiled by a process of its own; one that finds both on disk must call the
+    right one.
+    """
+    code = (
+        "import sys, numpy as np; from numba import njit, types; from vibrom.kernels.banded import kernels\n"
+        "band = types.float64[:, :, ::1]\n"
+        # as the time loop calls it
+        "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"
+        "for width in map(int, sys.argv[1:]):\n"
+        "    matrix = np.full((5, 1, width), 4.0)\n"
+        "    call(kernels(width)[3], matrix)\n"
+        "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)"
+    )
     for widths in ("3", "2", "2 3 2"):
-        subprocess.run([sys.executable, "-c", code, *widths.split()], check=True, env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)})
+        subprocess.run(
+            [sys.executable, "-c", code, *widths.split()],
+            check=True,
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+        )
 
 
 @pytest.mark.parametrize("maker", ["numba.njit", "numba.extending.register_jitable"])
 def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch, maker):
     """Else an edited helper would go on as it was in every kernel that calls it."""
     helper = tmp_path / "helper_of_a_kernel.py"
-    helper.write_text(f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n@made\ndef twice(x):\n    return 2.0 * x\n")
+    helper.write_text(
+        f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n@made\ndef twice(x):\n    return 2.0 * x\n"
+    )
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "helper_of_a_kernel", raising=False)
     twice = importlib.import_module("helper_of_a_kernel").twice

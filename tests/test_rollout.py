@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from oscillators import OMEGA, linear_rom
 
-from vibrom.rollout import Drive, Integrator, decode_displacement, rollout
-from vibrom.rom import MethodError, Rom, rom_from_dataset
+from vibrom.models.reduced import Drive, Integrator, decode_displacement, rollout
+from vibrom.models.rom import MethodError, Rom, rom_from_dataset
 
 
 @dataclass(frozen=True)
@@ -32,12 +32,17 @@ class Outside(Rom):
 
 
 def both(rom, start, times, drive=None):
-    return rollout(rom, start, times, Integrator(), drive), rollout(Outside(rom.reach, rom), start, times, Integrator(), drive)
+    return rollout(rom, start, times, Integrator(), drive), rollout(
+        Outside(rom.reach, rom), start, times, Integrator(), drive
+    )
 
 
 def test_four_functions_are_enough():
     rom = linear_rom(reach=np.array([0.02, 0.02 * OMEGA]))
-    start, times = np.array([[0.005, 0.0], [0.1, 0.0], [0.5, 0.0], [0.02, 1.0]] * 3), np.linspace(0, 0.3, 200)[None].repeat(12, axis=0)
+    start, times = (
+        np.array([[0.005, 0.0], [0.1, 0.0], [0.5, 0.0], [0.02, 1.0]] * 3),
+        np.linspace(0, 0.3, 200)[None].repeat(12, axis=0),
+    )
     drive = Drive(np.ones(1), np.linspace(0, 2000, 12), OMEGA * np.linspace(0.8, 1.2, 12))
     for signal in (None, drive):
         ours, slow = both(rom, start, times, signal)
@@ -48,27 +53,38 @@ def test_four_functions_are_enough():
         # Peaks are those of step ends, whose places hang on the last digits of error estimates.
         np.testing.assert_allclose(ours.range_ratio, slow.range_ratio, rtol=1e-5)
     reduced = ours.reduced[0]
-    assert np.array_equal(decode_displacement(rom, reduced, np.array([0]), chunk=64), decode_displacement(Outside(rom.reach, rom), reduced)[:, :1])
+    assert np.array_equal(
+        decode_displacement(rom, reduced, np.array([0]), chunk=64),
+        decode_displacement(Outside(rom.reach, rom), reduced)[:, :1],
+    )
 
 
-@pytest.mark.parametrize("reach", [[1.0], [1.0, 2.0, 3.0], [], [[1.0, 2.0]], [1.0, 0.0], [1.0, np.nan]])
+@pytest.mark.parametrize(
+    "reach", [[1.0], [1.0, 2.0, 3.0], [], [[1.0, 2.0]], [1.0, 0.0], [1.0, np.nan]]
+)
 def test_a_reach_that_is_not_of_positions_and_velocities_is_refused(reach):
-    with pytest.raises(MethodError, match="Outside.reach is .*; give the largest of d reduced positions, then of their d velocities"):
+    with pytest.raises(
+        MethodError,
+        match="Outside.reach is .*; give the largest of d reduced positions, then of their d velocities",
+    ):
         Outside(np.array(reach), linear_rom())
 
 
 def test_a_stored_model_moves_as_the_one_that_was_stored():
     rom, start, times = linear_rom(), np.array([[0.5, 0.0]]), np.linspace(0, 0.1, 50)[None]
     again = rom_from_dataset(rom.to_dataset())
-    assert np.array_equal(rollout(again, start, times, Integrator()).reduced, rollout(rom, start, times, Integrator()).reduced)
+    assert np.array_equal(
+        rollout(again, start, times, Integrator()).reduced,
+        rollout(rom, start, times, Integrator()).reduced,
+    )
 
 
 PROCESS = """
 import sys
-import vibrom.latent.autoencoder_rom, vibrom.latent.polynomial_rom, vibrom.rollout
+import vibrom.latent.autoencoder_rom, vibrom.latent.polynomial_rom, vibrom.models.reduced
 assert "numba" not in sys.modules, "a model that is not rolled out imports a compiler"
 from vibrom.latent import decoder_kernel, polynomial_kernel
-from vibrom.solvers import dop853_loop
+from vibrom.solvers.reduced import dop853_loop
 compiled = decoder_kernel._force, polynomial_kernel._polynomial, polynomial_kernel._constant, dop853_loop._compiled
 print("torch" in sys.modules, sum(sum(item.stats.cache_misses.values()) for item in compiled), sum(sum(item.stats.cache_hits.values()) for item in compiled))
 """

@@ -1,7 +1,9 @@
-"""Golden numbers: the beam, its release states, and the rows of the thesis that come from no training, in all three cases.
+"""Golden numbers: the beam, its release states, and the rows of the thesis that come from no
+training, in all three cases.
 
-Release states are those of a careful reproduction (five digits); reconstruction and eigenvalues are printed in the thesis (Tables 3.2, 3.3) and are
-met within 0.5 %, its decays (Table 3.4) within 4 %: it integrated its models with a relative tolerance of 1e-3.
+Release states are those of a careful reproduction (five digits); reconstruction and eigenvalues are
+printed in the thesis (Tables 3.2, 3.3) and are met within 0.5 %, its decays (Table 3.4) within 4 %:
+it integrated its models with a relative tolerance of 1e-3.
 """
 
 from pathlib import Path
@@ -10,14 +12,14 @@ import numpy as np
 import pytest
 import yaml
 
-from vibrom.data import open_dataset
+from vibrom.artefacts.data import open_dataset
 from vibrom.experiments import decay, eigenvalues, reconstruction
-from vibrom.observed import structure, trajectory
-from vibrom.report import thesis
-from vibrom.rollout import Integrator
-from vibrom.rom import Training, method_from_settings
+from vibrom.models.recorded import structure, trajectory
+from vibrom.models.reduced import Integrator
+from vibrom.models.rom import Training, method_from_settings
 from vibrom.steps import full_order_decay, release
 from vibrom.steps import structure as structure_step
+from vibrom.thesis import published as thesis
 
 SCENES = Path(__file__).parents[1] / "config/scenes"
 # (probe y, tip y, tip x) [m] and phi_1' M q of the five release states.
@@ -33,13 +35,28 @@ STATES = {
 
 @pytest.fixture(scope="module", params=["small", "large", "folding"])
 def case(request, tmp_path_factory):
-    folder, scene = tmp_path_factory.mktemp(request.param), yaml.safe_load((SCENES / f"{request.param}.yaml").read_text())
+    folder, scene = (
+        tmp_path_factory.mktemp(request.param),
+        yaml.safe_load((SCENES / f"{request.param}.yaml").read_text()),
+    )
     path = {name: str(folder / f"{name}.nc") for name in ("structure", "release", "train", "test")}
     structure_step.run(structure=path["structure"], scene=scene, name=request.param, provenance={})
     release.run(structure=path["structure"], release=path["release"], scene=scene, provenance={})
     for role in ("train", "test"):
-        full_order_decay.run(structure=path["structure"], release=path["release"], trajectory=path[role], scene=scene, role=role, provenance={})
-    kinds = {"structure": "structure", "release": "release", "train": "trajectory", "test": "trajectory"}
+        full_order_decay.run(
+            structure=path["structure"],
+            release=path["release"],
+            trajectory=path[role],
+            scene=scene,
+            role=role,
+            provenance={},
+        )
+    kinds = {
+        "structure": "structure",
+        "release": "release",
+        "train": "trajectory",
+        "test": "trajectory",
+    }
     return request.param, {name: open_dataset(path[name], kind) for name, kind in kinds.items()}
 
 
@@ -48,7 +65,10 @@ def test_release_states(case):
     known, probes = structure(artefacts["structure"]), artefacts["structure"]["probe_dof"]
     for role in ("train", "test"):
         q = artefacts["release"]["displacement"].sel(role=role).values
-        found = [*q[probes.sel(probe=["probe", "tip", "tip_x"]).values], known.modes[0] @ (known.mass @ q)]
+        found = [
+            *q[probes.sel(probe=["probe", "tip", "tip_x"]).values],
+            known.modes[0] @ (known.mass @ q),
+        ]
         np.testing.assert_allclose(found, STATES[name, role], rtol=1e-3)
 
 
@@ -56,14 +76,20 @@ def test_release_states(case):
 def test_rows_of_the_thesis(case, method):
     name, artefacts = case
     known = structure(artefacts["structure"])
-    rom = method_from_settings(method, {}).fit(Training((trajectory(artefacts["train"]),), structure=known))
+    rom = method_from_settings(method, {}).fit(
+        Training((trajectory(artefacts["train"]),), structure=known)
+    )
     asked = {**artefacts, "rom": rom}
 
     def score(experiment, metric):
         return float(experiment.predict(asked, Integrator())["score_value"].sel(score=metric))
 
-    assert score(reconstruction, "nmte_percent") == pytest.approx(thesis.percent("reconstruction", name, method)[0], rel=5e-3)
-    assert score(decay, "nmte_percent") == pytest.approx(thesis.percent("decay", name, method)[0], rel=4e-2)
+    assert score(reconstruction, "nmte_percent") == pytest.approx(
+        thesis.percent("reconstruction", name, method)[0], rel=5e-3
+    )
+    assert score(decay, "nmte_percent") == pytest.approx(
+        thesis.percent("decay", name, method)[0], rel=4e-2
+    )
     real, imaginary = thesis.eigenvalue(name, method)
     assert score(eigenvalues, "real_per_s") == pytest.approx(real, rel=5e-3)
     assert score(eigenvalues, "imaginary_rad_per_s") == pytest.approx(imaginary, rel=5e-3)

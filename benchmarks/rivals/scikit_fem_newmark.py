@@ -1,8 +1,12 @@
-"""Newmark's method as a scikit-fem user writes it today: forms, Newton's iteration, SciPy's sparse LU.
+"""Newmark's method as a scikit-fem user writes it today: forms, Newton's iteration, SciPy's sparse
+LU.
 
-The residual and the tangent of a St. Venant-Kirchhoff body are scikit-fem forms; mass and damping are assembled once. Time step and the residual that counts
-as converged are those of `vibrom.solvers.newmark`. As textbooks have it, a step starts from the last acceleration and every iteration assembles and factorises
-its tangent; `tricks` adds what `vibrom.solvers.newmark` does to need fewer of both: a higher-order guess and a factor that is kept while the residual falls fast.
+The residual and the tangent of a St. Venant-Kirchhoff body are scikit-fem forms; mass and damping
+are assembled once. Time step and the residual that counts as converged are those of
+`vibrom.solvers.full.newmark`. As textbooks have it, a step starts from the last acceleration and
+every iteration assembles and factorises its tangent; `tricks` adds what
+`vibrom.solvers.full.newmark` does to need fewer of both: a higher-order guess and a factor that is
+kept while the residual falls fast.
 """
 
 import numpy as np
@@ -14,7 +18,16 @@ from skfem.helpers import ddot, grad, identity, trace, transpose
 class Beam:
     """M a + C v + f(q) = 0 on the free dofs of `basis`."""
 
-    def __init__(self, basis: skfem.Basis, free: np.ndarray, mass, damping, young: float, nu: float, thickness: float):
+    def __init__(
+        self,
+        basis: skfem.Basis,
+        free: np.ndarray,
+        mass,
+        damping,
+        young: float,
+        nu: float,
+        thickness: float,
+    ):
         self.basis, self.free, self.mass, self.damping = basis, free, mass, damping
         shear = young / (2 * (1 + nu))
         lame = young * nu / (1 - nu**2)  # plane stress
@@ -22,7 +35,9 @@ class Beam:
         def strain_and_stress(w):
             gradient = w["u"].grad
             deformation = gradient + identity(gradient)
-            strain = 0.5 * (gradient + transpose(gradient) + np.einsum("ki...,kj...->ij...", gradient, gradient))
+            strain = 0.5 * (
+                gradient + transpose(gradient) + np.einsum("ki...,kj...->ij...", gradient, gradient)
+            )
             return deformation, lame * trace(strain) * identity(gradient) + 2 * shear * strain
 
         def variation(deformation, v):
@@ -55,7 +70,17 @@ class Beam:
     def tangent(self, q: np.ndarray):
         return self.tangent_form.assemble(self.basis, u=self._field(q))[self.free][:, self.free]
 
-    def run(self, q, h: float, steps: int, *, alpha: float, tolerance: float, patience: float, tricks: bool = False) -> np.ndarray:
+    def run(
+        self,
+        q,
+        h: float,
+        steps: int,
+        *,
+        alpha: float,
+        tolerance: float,
+        patience: float,
+        tricks: bool = False,
+    ) -> np.ndarray:
         """Displacements (steps + 1, n) from rest in the state q, with zero acceleration."""
         gamma, beta = 0.5 + alpha, 0.25 * (1 + alpha) ** 2
         v, a, factor, history = np.zeros_like(q), np.zeros_like(q), None, [q]
@@ -73,9 +98,18 @@ class Beam:
                     scale = np.linalg.norm(body) + np.linalg.norm(spring)
                 elif norm <= tolerance * scale:
                     break
-                if not tricks or factor is None or norm * (norm / previous) ** patience > tolerance * scale:
-                    factor = splu((self.mass + gamma * h * self.damping + beta * h**2 * self.tangent(q)).tocsc(), permc_spec="MMD_AT_PLUS_A",
-                                  options={"SymmetricMode": True})
+                if (
+                    not tricks
+                    or factor is None
+                    or norm * (norm / previous) ** patience > tolerance * scale
+                ):
+                    factor = splu(
+                        (
+                            self.mass + gamma * h * self.damping + beta * h**2 * self.tangent(q)
+                        ).tocsc(),
+                        permc_spec="MMD_AT_PLUS_A",
+                        options={"SymmetricMode": True},
+                    )
                 change, previous = factor.solve(residual), norm
                 a, v, q = a + change, v + gamma * h * change, q + beta * h**2 * change
             history.append(q)

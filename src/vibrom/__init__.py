@@ -1,1 +1,3 @@
-"""Which reduced-order model predicts a structure that bends far, how well, and what that accuracy costs in time."""
+"""Which reduced-order model predicts a structure that bends far, how well, and what that accuracy
+costs in time.
+"""

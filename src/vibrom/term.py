@@ -1,7 +1,8 @@
 """What effects add up to:  M a + C v + K q + sum_i f_i(q, v) = p u(t) + p_0.
 
-A Term holds the parts that are there; a part that no effect brings is None (or no force), never a zero matrix. Terms add with `+`.
-M, C and K are symmetric. Forces vanish at rest, f_i(0, 0) = 0: what acts on the undeformed body at all times is the dead load p_0.
+A Term holds the parts that are there; a part that no effect brings is None (or no force), never a
+zero matrix. Terms add with `+`. M, C and K are symmetric. Forces vanish at rest, f_i(0, 0) = 0:
+what acts on the undeformed body at all times is the dead load p_0.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ import numpy as np
 from numba import types
 from scipy.sparse import csr_matrix
 
-from vibrom.lanes import kernel
+from vibrom.kernels.lanes import kernel
 
-# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv: of each element of a symmetric force the lower
-# triangle, row by row, of a non-symmetric one the whole matrix.
+# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv: of each
+# element of a symmetric force the lower triangle, row by row, of a non-symmetric one the whole
+# matrix.
 _states = types.float64[:, ::1]
 _index = types.int64[:, ::1]
 _scale = types.float64[::1]
@@ -25,7 +27,9 @@ TANGENT = types.void(_states, _states, _index, _states, _index, _scale, _scale, 
 
 
 force_kernel = kernel(FORCE)  # compiles `function(q, v, dofs, table, f)`
-tangent_kernel = kernel(TANGENT)  # compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`
+tangent_kernel = kernel(
+    TANGENT
+)  # compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`
 
 
 class SceneError(ValueError):
@@ -36,10 +40,11 @@ class SceneError(ValueError):
 class Force:
     """A state-dependent force, element by element.
 
-    kernels   width -> (force, tangent), compiled for `width` states side by side, the state index last
-    dofs      (elements, d) free dof of each local dof, -1 where it is clamped
+    kernels   width -> (force, tangent), compiled for `width` states side by side, the state index
+    last dofs      (elements, d) free dof of each local dof, -1 where it is clamped
     table     what the kernels know of the elements
-    symmetric its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row); otherwise d*d (row by row)
+    symmetric its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row);
+    otherwise d*d (row by row)
     """
 
     kernels: Callable[[int], tuple[Callable, Callable]]
@@ -50,9 +55,11 @@ class Force:
 
 @dataclass(frozen=True)
 class Term:
-    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the signal]; dead_load (n,) [N]; elastic (3, 3)
-    [N/m]: stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness included; carried (n, 2) [kg]: the mass that a uniform
-    acceleration along x and y moves, M times the rigid translations, clamped dofs included."""
+    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the
+    signal]; dead_load (n,) [N]; elastic (3, 3) [N/m]: stress resultants (s11, s22, s12) over
+    strains (e11, e22, 2 e12), thickness included; carried (n, 2) [kg]: the mass that a uniform
+    acceleration along x and y moves, M times the rigid translations, clamped dofs included.
+    """
 
     mass: csr_matrix | None = None
     damping: csr_matrix | None = None
@@ -74,11 +81,17 @@ class Term:
     @property
     def size(self) -> int:
         """n, the number of free displacements."""
-        return next(part.shape[0] for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load) if part is not None)
+        return next(
+            part.shape[0]
+            for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load)
+            if part is not None
+        )
 
     def require(self, part: str, effect: str, brought_by: str):
         """The part of this name, or a SceneError that says which effect brings it."""
         value = getattr(self, part)
         if value is None:
-            raise SceneError(f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first")
+            raise SceneError(
+                f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first"
+            )
         return value

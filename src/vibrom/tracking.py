@@ -1,9 +1,10 @@
 """Finished artefacts -> MLflow. The only importer of mlflow.
 
-The store is a view of the artefacts and is built from scratch each time, so that a run that is made again replaces
-the old one and a run that no longer belongs to the configuration is gone; nothing has to be looked up or deleted.
-One process writes it, because two that open a new sqlite store at once crash. Values that are not finite are left
-out: the outcome, which is a tag, says why there is none.
+The store is a view of the artefacts and is built from scratch each time, so that a run that is made
+again replaces the old one and a run that no longer belongs to the configuration is gone; nothing
+has to be looked up or deleted. One process writes it, because two that open a new sqlite store at
+once crash. Values that are not finite are left out: the outcome, which is a tag, says why there is
+none.
 """
 
 import logging
@@ -32,7 +33,9 @@ class TrackedRun:
     name: str
     params: dict[str, Any] = field(default_factory=dict)
     metrics: dict[str, float] = field(default_factory=dict)  # decay/nmte_percent -> value
-    curves: dict[str, tuple[Iterable[int], Iterable[float]]] = field(default_factory=dict)  # name -> steps, values
+    curves: dict[str, tuple[Iterable[int], Iterable[float]]] = field(
+        default_factory=dict
+    )  # name -> steps, values
     tags: dict[str, str] = field(default_factory=dict)
     files: dict[str, list[str]] = field(default_factory=dict)  # folder in the store -> files
 
@@ -75,10 +78,16 @@ def _log(client, experiment: str, run: TrackedRun) -> None:
 
     made = client.create_run(experiment, run_name=run.name, tags=run.tags)
     identity, now = made.info.run_id, made.info.start_time
-    points = [Metric(name, float(value), now, 0) for name, value in run.metrics.items() if math.isfinite(value)]
+    points = [
+        Metric(name, float(value), now, 0)
+        for name, value in run.metrics.items()
+        if math.isfinite(value)
+    ]
     for name, (steps, values) in run.curves.items():
         points += [
-            Metric(name, float(value), now, int(step)) for step, value in thinned(steps, values) if math.isfinite(value)
+            Metric(name, float(value), now, int(step))
+            for step, value in thinned(steps, values)
+            if math.isfinite(value)
         ]
     params = [Param(name, str(value)[:6000]) for name, value in run.params.items()]
     for start in range(0, len(points), METRICS):
@@ -94,7 +103,9 @@ def _log(client, experiment: str, run: TrackedRun) -> None:
 def link(store: str | Path, address: str) -> str:
     """Where the comparison table is; a fresh browser would open MLflow's other mode."""
     with sqlite3.connect(f"file:{Path(store).absolute()}?mode=ro", uri=True) as database:
-        (identity,) = database.execute("select experiment_id from experiments where name = ?", (EXPERIMENT,)).fetchone()
+        (identity,) = database.execute(
+            "select experiment_id from experiments where name = ?", (EXPERIMENT,)
+        ).fetchone()
     return f"{address}/#/experiments/{identity}/runs?workflowType=machine_learning"
 
 
@@ -102,7 +113,10 @@ def serve(store: str, port: int = 5000) -> None:
     """Print the link and become MLflow's server."""
     if not Path(store).exists():
         sys.exit(f"vibrom: {store}: no such store; run the main job first (make)")
-    print(f"Comparison table: {link(store, f'http://127.0.0.1:{port}')}\nStop with Ctrl-C.", flush=True)
+    print(
+        f"Comparison table: {link(store, f'http://127.0.0.1:{port}')}\nStop with Ctrl-C.",
+        flush=True,
+    )
     os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
     command = [
         sys.executable,
@@ -118,4 +132,7 @@ def serve(store: str, port: int = 5000) -> None:
 
 
 if __name__ == "__main__":
-    serve(sys.argv[1] if len(sys.argv) > 1 else "results/mlflow.db", int(sys.argv[2]) if len(sys.argv) > 2 else 5000)
+    serve(
+        sys.argv[1] if len(sys.argv) > 1 else "results/mlflow.db",
+        int(sys.argv[2]) if len(sys.argv) > 2 else 5000,
+    )

@@ -11,8 +11,9 @@ from benchmarks import __main__ as command
 from benchmarks import page
 from benchmarks.rivals.scikit_fem_newmark import Beam
 from benchmarks.table import Row, paired
-from vibrom import effects, space
-from vibrom.solvers.newmark import Newmark
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.solvers.full.newmark import Newmark
 
 
 @pytest.mark.parametrize("tricks", [False, True])
@@ -22,7 +23,11 @@ def test_the_full_order_rival_moves_as_we_do(tricks):
     start = 0.002 * (made.dof_location[:, 0] ** 2) * (made.dof_axis == 1)
     rival = Beam(made.basis, made.free, term.mass, term.damping, 104.0e9, 0.3, made.thickness)
     theirs = rival.run(start, 1e-5, 20, alpha=0.005, tolerance=1e-9, patience=3.0, tricks=tricks)
-    ours = Newmark(alpha=0.005, tolerance=1e-9).run(term, start[:, None], np.array([1e-5]), 20, initial_acceleration="zero").displacement[0]
+    ours = (
+        Newmark(alpha=0.005, tolerance=1e-9)
+        .run(term, start[:, None], np.array([1e-5]), 20, initial_acceleration="zero")
+        .displacement[0]
+    )
     # Each step is solved to 1e-9 of its forces; the motion covers a third of the start.
     assert np.abs(ours - theirs).max() <= 1e-6 * np.abs(theirs - start).max()
 
@@ -48,12 +53,22 @@ def test_every_benchmark_says_what_it_compares():
 
 def test_the_page_tells_the_command_and_the_machine(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "RESULTS", tmp_path)
-    monkeypatch.setattr(import_module("benchmarks.full_order"), "measure", lambda note: [Row("full_order", "steps & more", 3.0, "1/s", "a rival", 1.5, "higher")])
+    monkeypatch.setattr(
+        import_module("benchmarks.full_order"),
+        "measure",
+        lambda note: [Row("full_order", "steps & more", 3.0, "1/s", "a rival", 1.5, "higher")],
+    )
     assert command.main(["full_order"]) == 0
     text = (tmp_path / "benchmarks.html").read_text()
-    assert "python -m benchmarks full_order" in text and "steps &amp; more" in text and "instruction set" in text
+    assert (
+        "python -m benchmarks full_order" in text
+        and "steps &amp; more" in text
+        and "instruction set" in text
+    )
     assert (tmp_path / "benchmarks.csv").read_text().splitlines() == [
-        "benchmark,quantity,value,unit,rival,rival_value,ratio", "full_order,steps & more,3.0,1/s,a rival,1.5,2.0"]
+        "benchmark,quantity,value,unit,rival,rival_value,ratio",
+        "full_order,steps & more,3.0,1/s,a rival,1.5,2.0",
+    ]
 
 
 def test_an_unknown_benchmark_is_named(capsys):

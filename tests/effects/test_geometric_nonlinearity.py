@@ -1,4 +1,6 @@
-"""The compiled kernels against scikit-fem's readable forms, and the tangent against differences of the force."""
+"""The compiled kernels against scikit-fem's readable forms, and the tangent against differences of
+the force.
+"""
 
 import numpy as np
 import pytest
@@ -6,10 +8,16 @@ import skfem
 from scenes import UNDAMPED, body
 from skfem.helpers import ddot, grad, identity, trace
 
-from vibrom import effects, space
-from vibrom.solvers.banded import band_slots
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.kernels.banded import band_slots
 
-CASES = [("bilinear", "stress"), ("bilinear", "strain"), ("quadratic", "stress"), ("serendipity", "strain")]
+CASES = [
+    ("bilinear", "stress"),
+    ("bilinear", "strain"),
+    ("quadratic", "stress"),
+    ("serendipity", "strain"),
+]
 
 
 def built(element, plane):
@@ -19,10 +27,16 @@ def built(element, plane):
 
 
 def oracle(made, elasticity, u):
-    """Internal force of the St. Venant-Kirchhoff material on the free dofs [N], S = lambda tr(E) I + 2 mu E."""
+    """Internal force of the St. Venant-Kirchhoff material on the free dofs [N], S = lambda tr(E) I
+    + 2 mu E.
+    """
     young, nu = elasticity["young_modulus"], elasticity["poisson_ratio"]
     mu = young / (2 * (1 + nu))
-    first = young * nu / (1 - nu**2) if elasticity["plane"] == "stress" else young * nu / ((1 + nu) * (1 - 2 * nu))
+    first = (
+        young * nu / (1 - nu**2)
+        if elasticity["plane"] == "stress"
+        else young * nu / ((1 + nu) * (1 - 2 * nu))
+    )
 
     @skfem.LinearForm
     def internal(v, w):
@@ -71,7 +85,16 @@ def test_tangent_is_the_derivative_of_the_force(element, plane):
     u, direction = 0.02 * rng.standard_normal((2, made.size))
     half = made.size - 1
     values, one = np.zeros((made.size * (half + 1), 1)), np.ones(1)
-    force.kernels(1)[1](u[:, None].copy(), np.zeros((made.size, 1)), force.dofs, force.table, band_slots(force.dofs, half), one, one, values)
+    force.kernels(1)[1](
+        u[:, None].copy(),
+        np.zeros((made.size, 1)),
+        force.dofs,
+        force.table,
+        band_slots(force.dofs, half),
+        one,
+        one,
+        values,
+    )
     lower = values.reshape(made.size, half + 1)
     tangent = np.zeros((made.size, made.size))
     for column in range(made.size):
@@ -96,5 +119,7 @@ def test_rigid_rotation_makes_no_force():
 
 def test_needs_elasticity_before_it():
     made = space.build(body(cells=[2, 1]))
-    with pytest.raises(ValueError, match="effects.geometric_nonlinearity needs elastic.* list elasticity first"):
+    with pytest.raises(
+        ValueError, match="effects.geometric_nonlinearity needs elastic.* list elasticity first"
+    ):
         effects.assemble(made, {"inertia": {"density": 1.0}, "geometric_nonlinearity": {}})

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scenes import CANTILEVER, LINEAR, THESIS, body, quadratic_body
 
-from vibrom import effects, space
-from vibrom.modes import eigenmodes
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError
 
 
@@ -27,8 +28,9 @@ def test_first_frequencies_of_the_thesis():
 
 
 def test_quadratic_elements_do_not_lock():
-    """Euler-Bernoulli: omega_1 = 1.8751^2 sqrt(EI / (rho A L^4)); shear and rotary inertia lower a beam of slenderness 50 by about 0.05 %,
-    and the clamped edge, which stops the contraction across it, raises it by about as much."""
+    """Euler-Bernoulli: omega_1 = 1.8751^2 sqrt(EI / (rho A L^4)); shear and rotary inertia lower a
+    beam of slenderness 50 by about 0.05 %, and the clamped edge, which stops the contraction across
+    it, raises it by about as much."""
     frequency, _ = eigenmodes(effects.assemble(space.build(quadratic_body()), LINEAR), 1)
     inertia, area = 0.05 * 0.02**3 / 12, 0.05 * 0.02
     beam = 1.8751040687**2 * np.sqrt(104e9 * inertia / (440.0 * area))
@@ -38,7 +40,9 @@ def test_quadratic_elements_do_not_lock():
 
 @pytest.mark.parametrize("length", [60, 250])
 def test_a_very_slender_body_is_soft_and_not_unstable(length):
-    """Its stiffness has a condition of (L/h)^4, 1e14 and 2e16: rounding may make the smallest eigenvalue anything, and that is no buckling."""
+    """Its stiffness has a condition of (L/h)^4, 1e14 and 2e16: rounding may make the smallest
+    eigenvalue anything, and that is no buckling.
+    """
     made = space.build(body(length=float(length), cells=[40 * length, 2], probes={}))
     assert eigenmodes(effects.assemble(made, LINEAR), 1)[0][0] > 0.0
 
@@ -57,11 +61,15 @@ def test_static_deflection_under_an_end_load():
 
 def test_damping_ratio_of_the_first_mode():
     made = space.build(CANTILEVER)
-    term = effects.assemble(made, {**THESIS, "rayleigh_damping": {"damping_ratio": 0.02, "stiffness_factor": 1e-5}})
+    term = effects.assemble(
+        made, {**THESIS, "rayleigh_damping": {"damping_ratio": 0.02, "stiffness_factor": 1e-5}}
+    )
     frequency, modes = eigenmodes(term, 2)
     ratios = [mode @ (term.damping @ mode) / (2 * omega) for omega, mode in zip(frequency, modes)]
     # The stiffness part adds b omega/2, the mass part what the first mode then lacks.
-    second = (2 * 0.02 * frequency[0] - 1e-5 * frequency[0] ** 2) / (2 * frequency[1]) + 1e-5 * frequency[1] / 2
+    second = (2 * 0.02 * frequency[0] - 1e-5 * frequency[0] ** 2) / (
+        2 * frequency[1]
+    ) + 1e-5 * frequency[1] / 2
     np.testing.assert_allclose(ratios, [0.02, second], rtol=1e-9)
 
 
@@ -84,7 +92,9 @@ def test_probe_off_the_mesh_is_refused():
 
 def test_a_mode_that_the_body_has_not_is_refused():
     made = space.build(body(cells=[2, 1]))
-    with pytest.raises(SceneError, match="effects.modal_load.mode = 500 is no mode of this body; choose 1 to 7"):
+    with pytest.raises(
+        SceneError, match="effects.modal_load.mode = 500 is no mode of this body; choose 1 to 7"
+    ):
         effects.assemble(made, {**LINEAR, "modal_load": {"mode": 500}})
 
 

@@ -1,4 +1,6 @@
-"""An effect costs one file and one line of a scene; one that is not listed is not imported, and none of its kernels compiled."""
+"""An effect costs one file and one line of a scene; one that is not listed is not imported, and
+none of its kernels compiled.
+"""
 
 import json
 import os
@@ -14,20 +16,30 @@ import pytest
 import yaml
 from scenes import BEAM, THESIS, quadratic_body
 
-from vibrom import effects, plugs, space
-from vibrom.data import open_dataset
-from vibrom.solvers import static
-from vibrom.solvers.newmark import Record
-from vibrom.steps import full_order, structure
+from vibrom import effects
+from vibrom.artefacts.data import open_dataset
+from vibrom.bodies import space
+from vibrom.config import plugs
+from vibrom.models import full_order
+from vibrom.solvers.full import static
+from vibrom.solvers.full.newmark import Record
+from vibrom.steps import structure
 from vibrom.term import SceneError
 
 ROOT = Path(__file__).parents[2]
-SCENES = {path.stem: yaml.safe_load(path.read_text()) for path in (ROOT / "config/scenes").glob("*.yaml")}
+SCENES = {
+    path.stem: yaml.safe_load(path.read_text()) for path in (ROOT / "config/scenes").glob("*.yaml")
+}
 TIP = {"tip": {"at": [1.0, 0.01], "direction": "y"}}
 
 
 def python(code: str, *arguments: str, path: Path = ROOT / "src") -> str:
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(path)})
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(path)},
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -36,22 +48,28 @@ def test_the_class_that_assembles_is_the_effect(monkeypatch):
     """A file may have helpers beside it, but one effect only."""
     module = ModuleType("vibrom.effects.extra")
     monkeypatch.setitem(sys.modules, module.__name__, module)
-    exec("class Helper: pass\nclass Extra:\n    def assemble(self, space, base): pass", vars(module))
+    exec(
+        "class Helper: pass\nclass Extra:\n    def assemble(self, space, base): pass", vars(module)
+    )
     assert type(effects.load("extra", {})) is module.Extra
     exec("class Another(Extra): pass", vars(module))
-    with pytest.raises(SceneError, match="effects/extra.py defines 2 classes with an `assemble`; define exactly one"):
+    with pytest.raises(
+        SceneError,
+        match="effects/extra.py defines 2 classes with an `assemble`; define exactly one",
+    ):
         effects.load("extra", {})
 
 
 COUNTED = """
 import json, sys
-from vibrom import lanes
+from vibrom.kernels import lanes
 compiled, njit = set(), lanes.njit
 def counting(*signature, **options):
     return lambda function: (compiled.add(function.__module__), njit(*signature, **options)(function))[1]
 lanes.njit = counting
-from vibrom import effects, space
-from vibrom.solvers import static
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.solvers.full import static
 body, scenes = json.loads(sys.argv[1])
 for scene in scenes:
     static.equilibrium(effects.assemble(space.build(body), scene), 1.0)
@@ -61,9 +79,17 @@ for scene in scenes:
 
 def test_unlisted_effects_are_neither_imported_nor_compiled():
     linear = {"elasticity": BEAM["elasticity"], "point_load": {"at": [1.0, 0.0], "direction": "y"}}
-    stopped = {**linear, "stop": {"at": [1.0, 0.0], "direction": "y", "gap": 1e-6, "stiffness": 1e6}}
-    seen = python(COUNTED, json.dumps([quadratic_body(cells=[2, 1]), [linear, stopped]])).splitlines()
-    assert [json.loads(line) for line in seen] == [[sorted(linear), []], [sorted(stopped), ["stop"]]]
+    stopped = {
+        **linear,
+        "stop": {"at": [1.0, 0.0], "direction": "y", "gap": 1e-6, "stiffness": 1e6},
+    }
+    seen = python(
+        COUNTED, json.dumps([quadratic_body(cells=[2, 1]), [linear, stopped]])
+    ).splitlines()
+    assert [json.loads(line) for line in seen] == [
+        [sorted(linear), []],
+        [sorted(stopped), ["stop"]],
+    ]
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -71,8 +97,13 @@ def test_every_scene_has_what_its_effects_bring(name):
     made = space.build(SCENES[name]["body"])
     term = effects.assemble(made, SCENES[name]["effects"])
     assert set(SCENES[name]["effects"]) <= set(plugs.names("effects"))
-    assert len(term.forces) == sum(effect in ("geometric_nonlinearity", "cubic_spring", "stop", "follower_load") for effect in SCENES[name]["effects"])
-    assert term.load is not None and (term.dead_load is not None) == ("gravity" in SCENES[name]["effects"])
+    assert len(term.forces) == sum(
+        effect in ("geometric_nonlinearity", "cubic_spring", "stop", "follower_load")
+        for effect in SCENES[name]["effects"]
+    )
+    assert term.load is not None and (term.dead_load is not None) == (
+        "gravity" in SCENES[name]["effects"]
+    )
 
 
 QUINTIC = '''"""A spring from one node to the ground: f = k u^5."""
@@ -108,8 +139,10 @@ def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
 RUN = """
 import sys, yaml
 from pathlib import Path
-from vibrom import effects, settings, space
-from vibrom.solvers import static
+from vibrom import effects
+from vibrom.config import settings
+from vibrom.bodies import space
+from vibrom.solvers.full import static
 root = Path(sys.argv[1])
 config = yaml.safe_load((root / "config/config.yaml").read_text()) | {"scenes": ["held"]}
 scene = settings.load(config, folder=root / "config", schemas=root / "workflow/schemas").scenes["held"]
@@ -124,28 +157,57 @@ def test_a_new_effect_is_one_file_and_one_line(tmp_path):
     shutil.copytree(ROOT / "workflow/schemas", tmp_path / "workflow/schemas")
     (tmp_path / "src/vibrom/effects/quintic_spring.py").write_text(QUINTIC)
     body, strength = quadratic_body(cells=[4, 1], probes=TIP), 1e8
-    scene = {**SCENES["small"], "body": body, "effects": {**BEAM, "point_load": {"at": [1.0, 0.01], "direction": "y"},
-                                                          "quintic_spring": {"at": [1.0, 0.01], "strength": strength}}}
+    scene = {
+        **SCENES["small"],
+        "body": body,
+        "effects": {
+            **BEAM,
+            "point_load": {"at": [1.0, 0.01], "direction": "y"},
+            "quintic_spring": {"at": [1.0, 0.01], "strength": strength},
+        },
+    }
     (tmp_path / "config/scenes/held.yaml").write_text(yaml.safe_dump(scene, sort_keys=False))
     u = float(python(RUN, str(tmp_path), path=tmp_path / "src"))
     made = space.build(body)
-    free = static.equilibrium(effects.assemble(made, {name: scene["effects"][name] for name in (*BEAM, "point_load")}), 1.0)[made.probes["tip"]]
-    # The spring pulls at the node that is loaded: both meet the beam's own stiffness there. Solved to 1e-8.
+    free = static.equilibrium(
+        effects.assemble(made, {name: scene["effects"][name] for name in (*BEAM, "point_load")}),
+        1.0,
+    )[made.probes["tip"]]
+    # The spring pulls at the node that is loaded: both meet the beam's own stiffness there. Solved
+    # to 1e-8.
     assert u / free + strength * u**5 == pytest.approx(1000.0, rel=1e-6)
     assert u < 0.99 * 1000.0 * free
 
 
 def test_a_body_with_weight_is_told_from_where_it_hangs(tmp_path):
-    """structure.nc holds the equilibrium and the tangent there; what runs about it starts at zero and, unforced, stays there."""
+    """structure.nc holds the equilibrium and the tangent there; what runs about it starts at zero
+    and, unforced, stays there.
+    """
     body = quadratic_body(cells=[6, 1], probes=TIP)
-    scene = {"body": body, "effects": {**THESIS, "gravity": {"y": -10000.0}}, "time": SCENES["small"]["time"]}
+    scene = {
+        "body": body,
+        "effects": {**THESIS, "gravity": {"y": -10000.0}},
+        "time": SCENES["small"]["time"],
+    }
     for name, listed in (("heavy", scene["effects"]), ("light", THESIS)):
-        structure.run(structure=str(tmp_path / f"{name}.nc"), scene={**scene, "effects": listed}, name=name, provenance={})
-    heavy, light = (open_dataset(tmp_path / f"{name}.nc", "structure") for name in ("heavy", "light"))
+        structure.run(
+            structure=str(tmp_path / f"{name}.nc"),
+            scene={**scene, "effects": listed},
+            name=name,
+            provenance={},
+        )
+    heavy, light = (
+        open_dataset(tmp_path / f"{name}.nc", "structure") for name in ("heavy", "light")
+    )
     assert "equilibrium" not in light and heavy["frequency"][0] > 1.001 * light["frequency"][0]
     model = full_order.build(scene, str(tmp_path / "heavy.nc"))
     model = replace(model, newmark=replace(model.newmark))
     assert np.abs(model.rest).max() > 0.1
-    motion = model.forced(np.zeros(1), np.array([model.frequency]), 20, Record(probes=model.probes), "unforced")
+    motion = model.forced(
+        np.zeros(1), np.array([model.frequency]), 20, Record(probes=model.probes), "unforced"
+    )
     # The rest state is solved to 1e-8 of the load, a step to 1e-6.
-    assert np.abs(motion.displacement).max() < 1e-5 * np.abs(model.rest).max() and np.abs(motion.probes).max() < 1e-5 * np.abs(model.rest).max()
+    assert (
+        np.abs(motion.displacement).max() < 1e-5 * np.abs(model.rest).max()
+        and np.abs(motion.probes).max() < 1e-5 * np.abs(model.rest).max()
+    )

@@ -1,4 +1,6 @@
-"""The pieces of the experiments against closed forms: amplitude and phase, NMTE, backbone, eigenvalues, rollouts and their outcomes."""
+"""The pieces of the experiments against closed forms: amplitude and phase, NMTE, backbone,
+eigenvalues, rollouts and their outcomes.
+"""
 
 import numpy as np
 import pytest
@@ -6,17 +8,18 @@ from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.experiments.backbone import frequency_error, peak_finding_and_fitting
 from vibrom.experiments.eigenvalues import jacobian
-from vibrom.nmte import nmte_percent
-from vibrom.observed import differences
-from vibrom.response import amplitude_and_phase
-from vibrom.rollout import Drive, Integrator, rollout
+from vibrom.models.measures import amplitude_and_phase, nmte_percent
+from vibrom.models.recorded import differences
+from vibrom.models.reduced import Drive, Integrator, rollout
 
 
 def test_amplitude_and_phase_of_a_harmonic():
     x = 2 * np.pi * np.arange(1000) / 1000
     for lag in (-0.3, -1.5, -3.0, -4.5):
         amplitude, phase = amplitude_and_phase(2.0 * np.sin(x + lag))
-        assert amplitude == pytest.approx(2.0, rel=1e-5)  # the maximum may lie half a sample off: (pi/1000)^2/2
+        assert amplitude == pytest.approx(
+            2.0, rel=1e-5
+        )  # the maximum may lie half a sample off: (pi/1000)^2/2
         assert phase == pytest.approx(lag, abs=1e-12)
 
 
@@ -33,29 +36,47 @@ def test_nmte_by_hand():
 
 
 def test_backbone_of_a_linear_decay():
-    """x = A e^{-zeta omega t} cos(omega_d t): the frequency is omega_d everywhere, the damping zeta omega / omega_d."""
+    """x = A e^{-zeta omega t} cos(omega_d t): the frequency is omega_d everywhere, the damping zeta
+    omega / omega_d.
+    """
     omega, zeta = 400.0, 0.01
     damped, t = omega * np.sqrt(1 - zeta**2), np.linspace(0, 0.4, 6001)
-    amplitude, frequency, damping = peak_finding_and_fitting(t, 0.3 * np.exp(-zeta * omega * t) * np.cos(damped * t))
-    # Linear interpolation of the crossings errs by (omega dt)^2 of a sample, 1e-5 of a period; the parabola by its fourth power.
+    amplitude, frequency, damping = peak_finding_and_fitting(
+        t, 0.3 * np.exp(-zeta * omega * t) * np.cos(damped * t)
+    )
+    # Linear interpolation of the crossings errs by (omega dt)^2 of a sample, 1e-5 of a period; the
+    # parabola by its fourth power.
     np.testing.assert_allclose(frequency, damped, rtol=1e-4)
     np.testing.assert_allclose(damping, zeta, rtol=2e-2)
     assert np.all(np.diff(amplitude) < 0) and 0.25 < amplitude[0] < 0.3
 
 
 def test_backbone_of_a_hardening_oscillator():
-    """x'' + x + e x^3 = 0: omega = 1 + 3 e A^2/8 - 21 (e A^2)^2/256 + O((e A^2)^3) by Lindstedt's series."""
+    """x'' + x + e x^3 = 0: omega = 1 + 3 e A^2/8 - 21 (e A^2)^2/256 + O((e A^2)^3) by Lindstedt's
+    series.
+    """
     from scipy.integrate import solve_ivp
 
     e, t = 0.2, np.linspace(0, 100, 40001)
-    x = solve_ivp(lambda t, y: [y[1], -y[0] - e * y[0] ** 3], (0, 100), [1.0, 0.0], t_eval=t, rtol=1e-11, atol=1e-12).y[0]
+    x = solve_ivp(
+        lambda t, y: [y[1], -y[0] - e * y[0] ** 3],
+        (0, 100),
+        [1.0, 0.0],
+        t_eval=t,
+        rtol=1e-11,
+        atol=1e-12,
+    ).y[0]
     amplitude, frequency, _ = peak_finding_and_fitting(t, x)
     np.testing.assert_allclose(amplitude, 1.0, rtol=1e-5)
     np.testing.assert_allclose(frequency, 1 + 3 * e / 8 - 21 * e**2 / 256, atol=0.4 * e**3)
 
 
 def test_too_short_a_decay_has_no_backbone():
-    assert [len(part) for part in peak_finding_and_fitting(np.linspace(0, 1, 50), np.ones(50))] == [0, 0, 0]
+    assert [len(part) for part in peak_finding_and_fitting(np.linspace(0, 1, 50), np.ones(50))] == [
+        0,
+        0,
+        0,
+    ]
     assert np.isnan(frequency_error((np.zeros(0),) * 3, (np.ones(3),) * 3))
 
 
@@ -64,7 +85,12 @@ def test_differences_are_of_sixth_order():
     for count in (40, 80):
         t = np.linspace(0, 2, count + 1)
         velocity, acceleration = differences(np.sin(3 * t)[:, None], t[1] - t[0])
-        errors.append((np.abs(velocity[:, 0] - 3 * np.cos(3 * t[3:-3])).max(), np.abs(acceleration[:, 0] + 9 * np.sin(3 * t[3:-3])).max()))
+        errors.append(
+            (
+                np.abs(velocity[:, 0] - 3 * np.cos(3 * t[3:-3])).max(),
+                np.abs(acceleration[:, 0] + 9 * np.sin(3 * t[3:-3])).max(),
+            )
+        )
     np.testing.assert_allclose(np.log2(np.array(errors[0]) / errors[1]), 6.0, atol=0.15)
 
 
@@ -75,14 +101,24 @@ def test_eigenvalues_of_a_linear_model():
 
 
 def test_forced_response_of_a_linear_model():
-    """Steady state of  z'' + c z' + w^2 z = A sin(W t):  |z| = A / |w^2 - W^2 + i c W|, phase -atan2(c W, w^2 - W^2)."""
+    """Steady state of  z'' + c z' + w^2 z = A sin(W t):  |z| = A / |w^2 - W^2 + i c W|, phase
+    -atan2(c W, w^2 - W^2).
+    """
     frequency = OMEGA * np.array([0.8, 0.97, 1.0, 1.2])
     period = (2 * np.pi / frequency)[:, None]
     times = period * (400 + np.arange(201) / 200)  # e^{-c t/2} is below 1e-10 by then
-    run = rollout(linear_rom(), np.zeros((4, 2)), times, Integrator(), Drive(np.array([1.0]), np.full(4, 0.5), frequency))
+    run = rollout(
+        linear_rom(),
+        np.zeros((4, 2)),
+        times,
+        Integrator(),
+        Drive(np.array([1.0]), np.full(4, 0.5), frequency),
+    )
     amplitude, phase = amplitude_and_phase(run.reduced[:, :-1, 0])
     response = 0.5 / (OMEGA**2 - frequency**2 + 1j * DAMPING * frequency)
-    np.testing.assert_allclose(amplitude, np.abs(response), rtol=2e-4)  # 200 samples a period: (pi/200)^2/2
+    np.testing.assert_allclose(
+        amplitude, np.abs(response), rtol=2e-4
+    )  # 200 samples a period: (pi/200)^2/2
     # Local errors of 1e-8 add up over the motion's memory of 1/(zeta omega), some thousand steps.
     np.testing.assert_allclose(phase, np.angle(response), atol=1e-5)
     assert run.outcome == ["ok"] * 4
@@ -90,7 +126,12 @@ def test_forced_response_of_a_linear_model():
 
 def test_leaving_the_training_range_is_said_and_the_run_goes_on():
     rom = linear_rom(reach=np.array([0.01, 0.01 * OMEGA]))
-    run = rollout(rom, np.array([[0.005, 0.0], [0.05, 0.0]]), np.linspace(0, 0.1, 50)[None].repeat(2, axis=0), Integrator())
+    run = rollout(
+        rom,
+        np.array([[0.005, 0.0], [0.05, 0.0]]),
+        np.linspace(0, 0.1, 50)[None].repeat(2, axis=0),
+        Integrator(),
+    )
     assert run.outcome == ["ok", "left_range"]
     assert run.range_ratio == pytest.approx([0.5, 5.0], rel=0.02)
     assert np.isfinite(run.reduced).all() and np.isnan(run.failed_at[0]) and run.failed_at[1] < 0.02

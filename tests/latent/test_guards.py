@@ -1,4 +1,6 @@
-"""Bounded extrapolation and dissipative fits: what they leave alone, and what they promise everywhere."""
+"""Bounded extrapolation and dissipative fits: what they leave alone, and what they promise
+everywhere.
+"""
 
 from dataclasses import replace
 
@@ -15,8 +17,16 @@ from vibrom.latent.polynomial import exponents, monomials, slopes
 from vibrom.latent.polynomial_kernel import polynomial_kernel
 from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.methods.modal_projection import ModalProjection
-from vibrom.rollout import Integrator, rollout
-from vibrom.rom import Guards, MethodError, Rom, Structure, Training, Trajectory, rom_from_dataset
+from vibrom.models.reduced import Integrator, rollout
+from vibrom.models.rom import (
+    Guards,
+    MethodError,
+    Rom,
+    Structure,
+    Training,
+    Trajectory,
+    rom_from_dataset,
+)
 
 RNG = np.random.default_rng(0)
 REACH, SCALE = np.array([2.0, 0.5, 30.0, 9.0]), np.array([1.5, 0.4, 20.0, 10.0])
@@ -25,22 +35,35 @@ REACH, SCALE = np.array([2.0, 0.5, 30.0, 9.0]), np.array([1.5, 0.4, 20.0, 10.0])
 def test_slopes_are_those_of_differences():
     powers, y, along = exponents(3, 0, 5), RNG.uniform(-1, 1, (20, 3)), RNG.uniform(-1, 1, (20, 3))
     step = 1e-5
-    differences = (monomials(y + step * along, powers) - monomials(y - step * along, powers)) / (2 * step)
-    # Central differences of quintics: step^2 times a third derivative below 60, and roundings of eps/step.
-    np.testing.assert_allclose(slopes(y, powers, along), differences, atol=60 * step**2 + 10 * np.finfo(float).eps / step)
+    differences = (monomials(y + step * along, powers) - monomials(y - step * along, powers)) / (
+        2 * step
+    )
+    # Central differences of quintics: step^2 times a third derivative below 60, and roundings of
+    # eps/step.
+    np.testing.assert_allclose(
+        slopes(y, powers, along), differences, atol=60 * step**2 + 10 * np.finfo(float).eps / step
+    )
 
 
 def test_inside_the_ellipse_nothing_changes_and_outside_it_goes_straight_on():
-    powers, inside = exponents(4, 1, 4), RNG.uniform(-0.7, 0.7, (50, 4)) * REACH  # each pair below 0.7 sqrt(2) < 1
+    powers, inside = (
+        exponents(4, 1, 4),
+        RNG.uniform(-0.7, 0.7, (50, 4)) * REACH,
+    )  # each pair below 0.7 sqrt(2) < 1
     assert np.array_equal(drawn_back(inside, REACH), inside)
-    assert np.array_equal(continued(inside, SCALE, REACH, powers), monomials(inside / SCALE, powers))
+    assert np.array_equal(
+        continued(inside, SCALE, REACH, powers), monomials(inside / SCALE, powers)
+    )
     edge = RNG.standard_normal((50, 4))
-    edge *= np.tile(1 / np.hypot(edge[:, :2], edge[:, 2:]), 2) * REACH  # both oscillators on their ellipses
+    edge *= (
+        np.tile(1 / np.hypot(edge[:, :2], edge[:, 2:]), 2) * REACH
+    )  # both oscillators on their ellipses
     at = [continued(radius * edge, SCALE, REACH, powers) for radius in (1.0, 1.5, 2.0, 3.0)]
     size = np.abs(at[0]).max()
     np.testing.assert_allclose(at[2] - at[0], 2 * (at[1] - at[0]), atol=1e-13 * size)
     np.testing.assert_allclose(at[3] - at[0], 4 * (at[1] - at[0]), atol=1e-13 * size)
-    # The slope along the radius from outside is that from inside: by Euler the degree times the value.
+    # The slope along the radius from outside is that from inside: by Euler the degree times the
+    # value.
     np.testing.assert_allclose(at[2] - at[0], at[0] * powers.sum(axis=1), atol=1e-13 * size)
 
 
@@ -53,17 +76,33 @@ def test_its_compiled_form():
         kernel.function(np.ascontiguousarray(part.T), kernel.numbers, kernel.index, work, out)
         found.append(out.T.copy())
     right = continued(z, SCALE, REACH, powers) @ coefficients.T
-    np.testing.assert_allclose(np.concatenate(found), right, rtol=0, atol=1e-12 * np.abs(right).max())
+    np.testing.assert_allclose(
+        np.concatenate(found), right, rtol=0, atol=1e-12 * np.abs(right).max()
+    )
 
 
 def test_constrained_least_squares_against_a_general_optimiser():
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        matrix, target, rows = rng.standard_normal((30, 5)), rng.standard_normal(30), rng.standard_normal((12, 5))
+        matrix, target, rows = (
+            rng.standard_normal((30, 5)),
+            rng.standard_normal(30),
+            rng.standard_normal((12, 5)),
+        )
         bounds = rows @ rng.standard_normal(5) + 0.1  # some x obeys
         x = constrained_least_squares(matrix, target, rows, bounds)
-        other = minimize(lambda x: np.sum((matrix @ x - target) ** 2), np.zeros(5), method="SLSQP", options={"ftol": 1e-14, "maxiter": 500},
-                         jac=lambda x: 2 * matrix.T @ (matrix @ x - target), constraints={"type": "ineq", "fun": lambda x: bounds - rows @ x, "jac": lambda x: -rows})
+        other = minimize(
+            lambda x: np.sum((matrix @ x - target) ** 2),
+            np.zeros(5),
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 500},
+            jac=lambda x: 2 * matrix.T @ (matrix @ x - target),
+            constraints={
+                "type": "ineq",
+                "fun": lambda x: bounds - rows @ x,
+                "jac": lambda x: -rows,
+            },
+        )
         assert (rows @ x <= bounds + 1e-10).all() and (rows @ x > bounds - 1e-10).any()
         np.testing.assert_allclose(x, other.x, atol=1e-6)  # SLSQP stops at 1e-14 in the square
 
@@ -71,22 +110,40 @@ def test_constrained_least_squares_against_a_general_optimiser():
 def learnt(acceleration, *, start=0.8, periods=12, **guards) -> PolynomialRom:
     """Modal projection of one degree of freedom let go from `start`, omega = 1, with these guards."""
     t = np.linspace(0, 2 * np.pi * periods, 200 * periods + 1)
-    z, v = solve_ivp(lambda t, y: [y[1], acceleration(*y)], (0, t[-1]), [start, 0.0], t_eval=t, rtol=1e-11, atol=1e-13).y
+    z, v = solve_ivp(
+        lambda t, y: [y[1], acceleration(*y)],
+        (0, t[-1]),
+        [start, 0.0],
+        t_eval=t,
+        rtol=1e-11,
+        atol=1e-13,
+    ).y
     a = acceleration(z, v)
-    structure = Structure(csr_matrix([[1.0]]), csr_matrix([[0.02]]), csr_matrix([[1.0]]), np.eye(1), np.ones(1))
-    return ModalProjection(**guards).learn(Training((Trajectory(t, z[:, None], v[:, None], a[:, None]),), structure=structure))
+    structure = Structure(
+        csr_matrix([[1.0]]), csr_matrix([[0.02]]), csr_matrix([[1.0]]), np.eye(1), np.ones(1)
+    )
+    return ModalProjection(**guards).learn(
+        Training((Trajectory(t, z[:, None], v[:, None], a[:, None]),), structure=structure)
+    )
 
 
 def test_a_dissipative_fit_to_a_damped_oscillator_is_the_oscillator():
     rom = learnt(lambda z, v: -z - 0.02 * v - 0.4 * z**3 - 0.05 * v**3, dissipative=3)
     z = RNG.uniform(-0.5, 0.5, (20, 2))
-    exact = np.stack([z[:, 1], -z[:, 0] - 0.02 * z[:, 1] - 0.4 * z[:, 0] ** 3 - 0.05 * z[:, 1] ** 3], axis=1)
+    exact = np.stack(
+        [z[:, 1], -z[:, 0] - 0.02 * z[:, 1] - 0.4 * z[:, 0] ** 3 - 0.05 * z[:, 1] ** 3], axis=1
+    )
     np.testing.assert_allclose(rom.drift(z), exact, atol=1e-8)
 
 
-# A softening spring with a well to leave; a spring that feeds energy in the middle; more of it at the rim; one that pushes outwards when fast.
-FEEDING = {"softening": lambda z, v: -z - 0.02 * v + 1.2 * z**3, "van der Pol": lambda z, v: -z + 0.1 * (1 - 4 * z**2) * v,
-           "fed at the rim": lambda z, v: -z - 0.02 * v + 0.1 * z**2 * v, "pushed": lambda z, v: -z - 0.02 * v + 1.5 * z * v**2}
+# A softening spring with a well to leave; a spring that feeds energy in the middle; more of it at
+# the rim; one that pushes outwards when fast.
+FEEDING = {
+    "softening": lambda z, v: -z - 0.02 * v + 1.2 * z**3,
+    "van der Pol": lambda z, v: -z + 0.1 * (1 - 4 * z**2) * v,
+    "fed at the rim": lambda z, v: -z - 0.02 * v + 0.1 * z**2 * v,
+    "pushed": lambda z, v: -z - 0.02 * v + 1.5 * z * v**2,
+}
 
 
 @pytest.mark.parametrize("order", [3, 5, 7])
@@ -94,18 +151,26 @@ FEEDING = {"softening": lambda z, v: -z - 0.02 * v + 1.2 * z**3, "van der Pol": 
 def test_a_dissipative_fit_is_damped_and_turns_everywhere(name, order):
     rom = learnt(FEEDING[name], dissipative=order)
     z = RNG.standard_normal((4000, 2))
-    z *= (RNG.uniform(0.01, 9.0, 4000) / np.hypot(*z.T))[:, None]  # in units of the range, to nine times its size
+    z *= (RNG.uniform(0.01, 9.0, 4000) / np.hypot(*z.T))[
+        :, None
+    ]  # in units of the range, to nine times its size
     mirrored = z * [1, -1]
-    forward, back = (rom.drift(part * rom.reach)[:, 1] * rom.reach[0] / rom.reach[1] ** 2 for part in (z, mirrored))
+    forward, back = (
+        rom.drift(part * rom.reach)[:, 1] * rom.reach[0] / rom.reach[1] ** 2
+        for part in (z, mirrored)
+    )
     even, odd, radius = (forward + back) / 2, (forward - back) / 2, np.hypot(*z.T)
-    # Asked for on rays two degrees apart: between them a polynomial of order 7 can pass by its bound by (7 pi/180)^2/8 of its size.
+    # Asked for on rays two degrees apart: between them a polynomial of order 7 can pass by its
+    # bound by (7 pi/180)^2/8 of its size.
     slack = 2e-3 * radius**2
     assert (odd * z[:, 1] <= slack).all()
     assert (z[:, 0] * even - z[:, 1] ** 2 <= -MARGIN * radius**2 + slack).all()
 
 
 def tops(run) -> list[np.ndarray]:
-    """The maxima of z of each run; between samples 400 to the period they are missed by at most (pi/400)^2/2 = 3e-5 of them."""
+    """The maxima of z of each run; between samples 400 to the period they are missed by at most
+    (pi/400)^2/2 = 3e-5 of them.
+    """
     found = []
     for z, velocity in run.reduced.transpose(0, 2, 1):
         (at,) = np.nonzero((velocity[:-1] > 0) & (velocity[1:] <= 0))
@@ -115,12 +180,17 @@ def tops(run) -> list[np.ndarray]:
 
 @pytest.mark.parametrize("name", ["softening", "fed at the rim"])
 def test_released_beyond_its_range_it_comes_to_rest_where_the_plain_fit_does_not(name):
-    start, times = np.array([[1.3, 0.0], [-1.3, 0.0], [0.9, 0.9], [0.9, -0.9]]), np.linspace(0, 2 * np.pi * 40, 40 * 400)
+    start, times = (
+        np.array([[1.3, 0.0], [-1.3, 0.0], [0.9, 0.9], [0.9, -0.9]]),
+        np.linspace(0, 2 * np.pi * 40, 40 * 400),
+    )
     rose = {}
     for guards in ({}, {"dissipative": 5}):
         rom = learnt(FEEDING[name], **guards)
         run = rollout(rom, start * rom.reach, np.tile(times, (4, 1)), Integrator(1e-8, 1e-10))
-        rose[bool(guards)] = any(word == "diverged" for word in run.outcome) or any((np.diff(top) > 1e-4 * rom.reach[0]).any() for top in tops(run))
+        rose[bool(guards)] = any(word == "diverged" for word in run.outcome) or any(
+            (np.diff(top) > 1e-4 * rom.reach[0]).any() for top in tops(run)
+        )
     assert rose == {False: True, True: False}
 
 
@@ -128,34 +198,78 @@ def test_released_beyond_its_range_it_comes_to_rest_where_the_plain_fit_does_not
 def test_an_autoencoder_that_is_the_identity_has_the_guards_of_a_polynomial(guards):
     """z = q = s c through a straight network, in a time that runs 2.5 times as fast."""
     t = np.linspace(0, 60, 2000)
-    z, v = solve_ivp(lambda t, y: [y[1], FEEDING["softening"](*y)], (0, 60), [0.8, 0.0], t_eval=t, rtol=1e-11, atol=1e-13).y
-    training = Training((Trajectory(t, z[:, None], v[:, None], FEEDING["softening"](z, v)[:, None]),),
-                        structure=Structure(csr_matrix([[1.0]]), csr_matrix([[0.02]]), csr_matrix([[1.0]]), np.eye(1), np.ones(1)))
+    z, v = solve_ivp(
+        lambda t, y: [y[1], FEEDING["softening"](*y)],
+        (0, 60),
+        [0.8, 0.0],
+        t_eval=t,
+        rtol=1e-11,
+        atol=1e-13,
+    ).y
+    training = Training(
+        (Trajectory(t, z[:, None], v[:, None], FEEDING["softening"](z, v)[:, None]),),
+        structure=Structure(
+            csr_matrix([[1.0]]), csr_matrix([[0.02]]), csr_matrix([[1.0]]), np.eye(1), np.ones(1)
+        ),
+    )
     plain = ModalProjection().fit(training)
-    row = plain.dynamics[1] / np.prod(plain.scale**plain.dynamics_powers, axis=1)  # over monomials of z and z' themselves
+    row = plain.dynamics[1] / np.prod(
+        plain.scale**plain.dynamics_powers, axis=1
+    )  # over monomials of z and z' themselves
     mass = {"mass_row": np.zeros(1), "mass_column": np.zeros(1), "mass_value": np.ones(1)}
-    same = AutoencoderRom(plain.reach, np.array([1, 1]), np.zeros(2), np.array([[0.3]]), np.array([[1 / 0.3]]), None, np.array(0.3), np.array(2.5),
-                          (row * np.prod(np.array([1.0, 2.5]) ** plain.dynamics_powers, axis=1) / 2.5**2)[None], 3, "silu", "decoder", **mass)
+    same = AutoencoderRom(
+        plain.reach,
+        np.array([1, 1]),
+        np.zeros(2),
+        np.array([[0.3]]),
+        np.array([[1 / 0.3]]),
+        None,
+        np.array(0.3),
+        np.array(2.5),
+        (row * np.prod(np.array([1.0, 2.5]) ** plain.dynamics_powers, axis=1) / 2.5**2)[None],
+        3,
+        "silu",
+        "decoder",
+        **mass,
+    )
     points = RNG.uniform(-3, 3, (40, 2)) * plain.reach
     right = plain.guarded(guards, training).drift(points)
     guarded = same.guarded(guards, training)
     # The same least squares in other units: it loses the condition of the library, below 1e4.
-    np.testing.assert_allclose(guarded.drift(points), right, rtol=0, atol=1e-10 * np.abs(right).max())
+    np.testing.assert_allclose(
+        guarded.drift(points), right, rtol=0, atol=1e-10 * np.abs(right).max()
+    )
     kernel, out, found = guarded.field(np.ones(1)).drift, np.empty((2, 8)), []
     for part in points.reshape(-1, 8, 2):
-        kernel.function(np.ascontiguousarray(part.T), kernel.numbers, kernel.index, np.full(8 * kernel.rows, np.nan), out)
+        kernel.function(
+            np.ascontiguousarray(part.T),
+            kernel.numbers,
+            kernel.index,
+            np.full(8 * kernel.rows, np.nan),
+            out,
+        )
         found.append(out.T.copy())
-    np.testing.assert_allclose(np.concatenate(found), guarded.drift(points), rtol=0, atol=1e-12 * np.abs(right).max())
+    np.testing.assert_allclose(
+        np.concatenate(found), guarded.drift(points), rtol=0, atol=1e-12 * np.abs(right).max()
+    )
 
 
 @pytest.mark.parametrize("guards", [{"extrapolation": "linear"}, {"dissipative": 5}])
 def test_a_guarded_polynomial_decoder_goes_straight_on_beyond_the_range_only(guards):
     guarded = learnt(FEEDING["softening"], **guards)
-    guarded = replace(guarded, decoder=np.array([[1.0, 5.0], [1.0, 5.0]]) * guarded.scale[:, None], decoder_powers=np.array([[1, 0], [3, 0]]))
+    guarded = replace(
+        guarded,
+        decoder=np.array([[1.0, 5.0], [1.0, 5.0]]) * guarded.scale[:, None],
+        decoder_powers=np.array([[1, 0], [3, 0]]),
+    )
     z = np.array([[radius, 0.0] for radius in (0.5, 1.0, 2.0, 3.0)]) * guarded.reach
     # y + 5 y^3 has the slope 16 at y = 1.
-    np.testing.assert_allclose(guarded.decode(z)[:, 0] / guarded.scale[0], [1.125, 6.0, 22.0, 38.0], rtol=1e-14)
-    assert np.array_equal(guarded.decode(z)[:2], replace(guarded, extrapolation="none").decode(z)[:2])
+    np.testing.assert_allclose(
+        guarded.decode(z)[:, 0] / guarded.scale[0], [1.125, 6.0, 22.0, 38.0], rtol=1e-14
+    )
+    assert np.array_equal(
+        guarded.decode(z)[:2], replace(guarded, extrapolation="none").decode(z)[:2]
+    )
     assert np.array_equal(guarded.displacement(z), guarded.decode(z)[:, :1])
 
 

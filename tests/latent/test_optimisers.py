@@ -19,7 +19,10 @@ def rate(value: float) -> torch.Tensor:
 
 
 def test_adam_is_torchs_adam():
-    ours, theirs = torch.ones(SIZE, dtype=torch.float64), torch.ones(SIZE, dtype=torch.float64, requires_grad=True)
+    ours, theirs = (
+        torch.ones(SIZE, dtype=torch.float64),
+        torch.ones(SIZE, dtype=torch.float64, requires_grad=True),
+    )
     adam, reference = Adam(ours, SHAPES), torch.optim.Adam([theirs], lr=0.1)
     for gradient in gradients(20):
         theirs.grad = gradient.clone()
@@ -46,19 +49,27 @@ def test_turns_end_in_the_eigenvectors_of_the_averaged_squares():
         soap.turn()
     first = found[:, : SHAPES[0].numel()].reshape(-1, *SHAPES[0]).numpy()
     weights = 0.05 * 0.95 ** np.arange(len(first))[::-1]
-    for side, squares in enumerate((first @ first.transpose(0, 2, 1), first.transpose(0, 2, 1) @ first)):
+    for side, squares in enumerate(
+        (first @ first.transpose(0, 2, 1), first.transpose(0, 2, 1) @ first)
+    ):
         expected = np.tensordot(weights, squares, 1)
         basis = soap.bases[0, side].numpy()
-        # Each turn gains a factor of the ratio of neighbouring eigenvalues; the closest two here have 0.976, and 0.976^3000 is nothing.
+        # Each turn gains a factor of the ratio of neighbouring eigenvalues; the closest two here
+        # have 0.976, and 0.976^3000 is nothing.
         turned = basis.T @ expected @ basis
-        assert np.allclose(turned, np.diag(np.linalg.eigvalsh(expected)[::-1]), atol=1e-9 * np.trace(expected))
+        assert np.allclose(
+            turned, np.diag(np.linalg.eigvalsh(expected)[::-1]), atol=1e-9 * np.trace(expected)
+        )
 
 
 def descend(name: str, top: float) -> float:
     """|A W B - 1|^2 after 300 steps, for A and B of condition 10 with axes that lie askew."""
     random = np.random.default_rng(0)
     turn = [np.linalg.qr(random.standard_normal((8, 8)))[0] for _ in range(4)]
-    a, b = (torch.tensor(left @ np.diag(np.logspace(0, -1, 8)) @ right) for left, right in (turn[:2], turn[2:]))
+    a, b = (
+        torch.tensor(left @ np.diag(np.logspace(0, -1, 8)) @ right)
+        for left, right in (turn[:2], turn[2:])
+    )
     vector = torch.zeros(64, dtype=torch.float64)
     optimiser = OPTIMISERS[name](vector, [torch.Size((8, 8))])
     for step in range(300):

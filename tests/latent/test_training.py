@@ -1,4 +1,6 @@
-"""The training loop: its loss and gradient, resumed equals uninterrupted, same seed same bytes, stops on a non-finite loss."""
+"""The training loop: its loss and gradient, resumed equals uninterrupted, same seed same bytes,
+stops on a non-finite loss.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from vibrom.latent import training as loop
 from vibrom.latent.autoencoder import Autoencoder
 from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.polynomial import exponents
-from vibrom.rom import Monitor, TrainingDiverged
+from vibrom.models.rom import Monitor, TrainingDiverged
 
 SHAPE = Autoencoder((5, 8, 1), "silu")
 DYNAMICS = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
@@ -30,7 +32,15 @@ def motion(samples=64):
 
 
 def schedule(**changes):
-    settings = dict(epochs=30, batch=16, shuffle=True, learning_rate=1e-2, rate="one_cycle", precision="float32", optimiser="soap")
+    settings = dict(
+        epochs=30,
+        batch=16,
+        shuffle=True,
+        learning_rate=1e-2,
+        rate="one_cycle",
+        precision="float32",
+        optimiser="soap",
+    )
     return loop.Schedule(**settings | changes)
 
 
@@ -55,8 +65,17 @@ class Kept(Monitor):
 
 def train(monitor=None, dynamics=DYNAMICS, data=None, seed=7, label="", **changes):
     data = motion() if data is None else data
-    return loop.train(SHAPE, dynamics, schedule(**changes), data, motion(40), seed=seed, device=torch.device("cpu"),
-                      monitor=monitor or Monitor(), label=label)
+    return loop.train(
+        SHAPE,
+        dynamics,
+        schedule(**changes),
+        data,
+        motion(40),
+        seed=seed,
+        device=torch.device("cpu"),
+        monitor=monitor or Monitor(),
+        label=label,
+    )
 
 
 def same(one, two):
@@ -64,7 +83,9 @@ def same(one, two):
 
 
 def written_out(learner, weights, c, decoder_linear):
-    """The loss of the module's docstring for silu, differentiated by torch; c (3, sample, k) of one latent coordinate."""
+    """The loss of the module's docstring for silu, differentiated by torch; c (3, sample, k) of one
+    latent coordinate.
+    """
     dynamics, layers = learner.dynamics, len(learner.autoencoder.sizes) - 1
 
     def network(y, chosen):
@@ -76,26 +97,49 @@ def written_out(learner, weights, c, decoder_linear):
         slope = lambda at, velocity: torch.func.jvp(function, (at,), (velocity,))[1]
         return slope(value, first), torch.func.jvp(slope, (value, first), (first, second))[1]
 
-    decoder = weights[layers: 2 * layers]
-    column = decoder_linear - torch.func.jacrev(lambda z: network(z, decoder))(torch.zeros(1, dtype=c.dtype))
-    encode, decode = lambda q: network(q, weights[:layers]) + q @ decoder_linear, lambda z: network(z, decoder) + z @ column.T
+    decoder = weights[layers : 2 * layers]
+    column = decoder_linear - torch.func.jacrev(lambda z: network(z, decoder))(
+        torch.zeros(1, dtype=c.dtype)
+    )
+    encode, decode = (
+        lambda q: network(q, weights[:layers]) + q @ decoder_linear,
+        lambda z: network(z, decoder) + z @ column.T,
+    )
     z = encode(c[0])
     first, second = along(encode, *c)
     found = dynamics.gain * weights[-1]
     model = torch.cat([z, first], 1) @ torch.tensor(dynamics.linear).T
-    model = model + sum(found[0, i] * (z[:, 0] ** int(a) * first[:, 0] ** int(b))[:, None] for i, (a, b) in enumerate(dynamics.powers))
+    model = model + sum(
+        found[0, i] * (z[:, 0] ** int(a) * first[:, 0] ** int(b))[:, None]
+        for i, (a, b) in enumerate(dynamics.powers)
+    )
     apart = (c[2] - along(decode, z, first, model)[1]) @ torch.tensor(dynamics.norm).T
-    parts = [(c[0] - decode(z)).square().sum(1).mean(), apart.square().sum(1).mean(),
-             (second - model).square().sum(1).mean()]
-    return torch.stack([parts[0] + dynamics.full * parts[1] + dynamics.reduced * parts[2] + dynamics.sparsity * found.abs().sum(), *parts])
+    parts = [
+        (c[0] - decode(z)).square().sum(1).mean(),
+        apart.square().sum(1).mean(),
+        (second - model).square().sum(1).mean(),
+    ]
+    return torch.stack(
+        [
+            parts[0]
+            + dynamics.full * parts[1]
+            + dynamics.reduced * parts[2]
+            + dynamics.sparsity * found.abs().sum(),
+            *parts,
+        ]
+    )
 
 
 def test_loss_and_gradient_equal_automatic_differentiation():
     column = torch.tensor([[1.0], [0.5], [-0.3], [0.2], [0.1]], dtype=torch.float64)
     shape = Autoencoder((5, 8, 6, 1), "silu", column.T.clone(), column, fixed_tangent=True)
     norm = np.random.default_rng(3).standard_normal((5, 5))
-    dynamics = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.3, 3.0, 0.7, 0.2, 0.01, norm)
-    learner = loop.Learner(shape, dynamics, torch.float64, torch.device("cpu"), torch.Generator().manual_seed(0))
+    dynamics = loop.Dynamics(
+        np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.3, 3.0, 0.7, 0.2, 0.01, norm
+    )
+    learner = loop.Learner(
+        shape, dynamics, torch.float64, torch.device("cpu"), torch.Generator().manual_seed(0)
+    )
     c = torch.tensor(motion())
     weights = [part.clone().requires_grad_() for part in learner.parts]
     expected = written_out(learner, weights, c, column)
@@ -112,14 +156,27 @@ def test_nothing_is_fetched_within_the_loop(optimiser, dynamics):
     learner = loop.Learner(SHAPE, dynamics, torch.float32, device, torch.Generator().manual_seed(0))
     chosen = schedule(optimiser=optimiser, epochs=3)
     c = torch.empty(3, 64, 5, device=device)
-    for epoch, sums in loop.epochs(learner, OPTIMISERS[optimiser](learner.vector, learner.shapes), chosen, c, torch.Generator().manual_seed(0)):
+    for epoch, sums in loop.epochs(
+        learner,
+        OPTIMISERS[optimiser](learner.vector, learner.shapes),
+        chosen,
+        c,
+        torch.Generator().manual_seed(0),
+    ):
         pass
     assert epoch == chosen.epochs
     with pytest.raises((RuntimeError, NotImplementedError)):
         sums.tolist()
 
 
-@pytest.mark.parametrize("changes", [{}, {"batch": 0, "shuffle": False, "rate": "constant", "precision": "float64"}, {"optimiser": "adam"}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"batch": 0, "shuffle": False, "rate": "constant", "precision": "float64"},
+        {"optimiser": "adam"},
+    ],
+)
 def test_resumed_equals_uninterrupted(monkeypatch, changes):
     whole = Kept()
     expected = train(whole, **changes)
@@ -128,7 +185,9 @@ def test_resumed_equals_uninterrupted(monkeypatch, changes):
     with pytest.raises(KeyboardInterrupt):
         train(first, **changes)
     assert all(isinstance(value, (np.ndarray, int, float, str)) for value in first.state.values())
-    assert not any(value.dtype == object for value in first.state.values() if isinstance(value, np.ndarray))
+    assert not any(
+        value.dtype == object for value in first.state.values() if isinstance(value, np.ndarray)
+    )
     second = Kept(state=first.state)
     assert same(train(second, **changes), expected)
     assert second.rows == whole.rows
@@ -159,5 +218,7 @@ def test_history_is_thin_and_has_every_term():
     assert len(monitor.rows) <= loop.ROWS + 1
     assert monitor.rows[-1][0] == 700
     terms = {"total", "reconstruction", "acceleration_full", "acceleration_reduced"}
-    assert set(monitor.rows[0][1]) == {f"{role}_{term}" for role in ("train", "test") for term in terms}
+    assert set(monitor.rows[0][1]) == {
+        f"{role}_{term}" for role in ("train", "test") for term in terms
+    }
     assert monitor.rows[-1][1]["train_total"] < 0.1 * monitor.rows[0][1]["train_total"]

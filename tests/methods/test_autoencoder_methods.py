@@ -1,6 +1,6 @@
 """Methods with an autoencoder, on motions whose reduced dynamics are known.
 
-    q = phi z + b (phi' z)^2,    z_i'' = -w_i^2 z_i - c z_i' + a z_i^3
+q = phi z + b (phi' z)^2,    z_i'' = -w_i^2 z_i - c z_i' + a z_i^3
 """
 
 from dataclasses import asdict, replace
@@ -20,7 +20,15 @@ from vibrom.methods.decoupled_autoencoder import DecoupledAutoencoder
 from vibrom.methods.sindy_autoencoder import SindyAutoencoder
 from vibrom.methods.split import Split
 from vibrom.methods.split_plus import SplitPlus
-from vibrom.rom import MethodError, Structure, Training, TrainingDiverged, Trajectory, method_from_settings, rom_from_dataset
+from vibrom.models.rom import (
+    MethodError,
+    Structure,
+    Training,
+    TrainingDiverged,
+    Trajectory,
+    method_from_settings,
+    rom_from_dataset,
+)
 
 N, SIZE, DAMPING, CUBIC = 6, 0.02, 0.5, -2e5
 FREQUENCIES = np.array([25.0, 60.0])
@@ -47,12 +55,23 @@ def oscillate(start, modes=1, periods=8):
     def rate(z):
         return -stiffness[:, None] * z[:modes] - DAMPING * z[modes:] + CUBIC * z[:modes] ** 3
 
-    found = solve_ivp(lambda t, z: np.concatenate([z[modes:], rate(z[:, None])[:, 0]]), (0, time[-1]), np.r_[start, np.zeros(modes)],
-                      t_eval=time, rtol=1e-10, atol=1e-13).y
+    found = solve_ivp(
+        lambda t, z: np.concatenate([z[modes:], rate(z[:, None])[:, 0]]),
+        (0, time[-1]),
+        np.r_[start, np.zeros(modes)],
+        t_eval=time,
+        rtol=1e-10,
+        atol=1e-13,
+    ).y
     z, first, second = found[:modes], found[modes:], rate(found)
     phi = MODES[:modes]
     y, y1, y2 = z[0][:, None], first[0][:, None], second[0][:, None]
-    return Trajectory(time, z.T @ phi + BEND * y**2, first.T @ phi + 2 * BEND * y * y1, second.T @ phi + 2 * BEND * (y1**2 + y * y2))
+    return Trajectory(
+        time,
+        z.T @ phi + BEND * y**2,
+        first.T @ phi + 2 * BEND * y * y1,
+        second.T @ phi + 2 * BEND * (y1**2 + y * y2),
+    )
 
 
 def structure(modes=1):
@@ -60,20 +79,38 @@ def structure(modes=1):
     frequency = np.concatenate([FREQUENCIES, [90.0, 120.0, 150.0, 180.0]])
     shapes = phi.T * frequency
     weigh = diags(MASS)
-    return Structure(csr_matrix(weigh), csr_matrix(DAMPING * weigh), csr_matrix(weigh @ shapes @ shapes.T @ weigh), phi, frequency)
+    return Structure(
+        csr_matrix(weigh),
+        csr_matrix(DAMPING * weigh),
+        csr_matrix(weigh @ shapes @ shapes.T @ weigh),
+        phi,
+        frequency,
+    )
 
 
 def training(modes=1, **changes):
     starts = np.array([SIZE, 0.2 * SIZE])[:modes]
-    return Training(**{"trajectories": (oscillate(starts, modes),), "test": (oscillate(0.7 * starts, modes),), "structure": structure(modes),
-                       "seed": 0} | changes)
+    return Training(
+        **{
+            "trajectories": (oscillate(starts, modes),),
+            "test": (oscillate(0.7 * starts, modes),),
+            "structure": structure(modes),
+            "seed": 0,
+        }
+        | changes
+    )
 
 
 METHODS = {"decoupled": DecoupledAutoencoder, "sindy": SindyAutoencoder, "split": Split}
 
 
-@pytest.fixture(scope="module", params=[(name, latent, linear) for name in METHODS for latent, linear in ((1, "none"), (2, "modes"))],
-                ids=lambda item: "-".join(map(str, item)))
+@pytest.fixture(
+    scope="module",
+    params=[
+        (name, latent, linear) for name in METHODS for latent, linear in ((1, "none"), (2, "modes"))
+    ],
+    ids=lambda item: "-".join(map(str, item)),
+)
 def fitted(request):
     name, latent, linear = request.param
     data = training(latent)
@@ -88,8 +125,12 @@ def test_velocity_and_acceleration_are_the_chain_rule(fitted):
     z = rom.encode(x)
     d = rom.latent
     slope = (rom.encode(moved) - rom.encode(back)) / (2 * step)
-    motion = rom.encode_motion(item.displacement[5:50], item.velocity[5:50], item.acceleration[5:50])
-    assert np.allclose(slope, np.hstack([*motion[1:]]), rtol=1e-4, atol=1e-4 * np.abs(slope).max(axis=0))
+    motion = rom.encode_motion(
+        item.displacement[5:50], item.velocity[5:50], item.acceleration[5:50]
+    )
+    assert np.allclose(
+        slope, np.hstack([*motion[1:]]), rtol=1e-4, atol=1e-4 * np.abs(slope).max(axis=0)
+    )
     # q' is the derivative of q along z'.
     along = np.hstack([z[:, d:], np.zeros_like(z[:, d:])])
     decoded = (rom.decode(z + step * along) - rom.decode(z - step * along))[:, :N] / (2 * step)
@@ -112,8 +153,10 @@ def test_split_of_order_one_has_the_known_linear_dynamics(settings):
     d = settings.get("latent", 1)
     rom = Split(**QUICK | settings, order=1).fit(training(d))
     z = np.random.default_rng(0).standard_normal((5, 2 * d)) * np.repeat([1.0, FREQUENCIES[0]], d)
-    right = -FREQUENCIES[:d] ** 2 * z[:, :d] - DAMPING * z[:, d:]
-    np.testing.assert_allclose(rom.drift(z), np.hstack([z[:, d:], right]), rtol=1e-12, atol=1e-12 * np.abs(right).max())
+    right = -(FREQUENCIES[:d] ** 2) * z[:, :d] - DAMPING * z[:, d:]
+    np.testing.assert_allclose(
+        rom.drift(z), np.hstack([z[:, d:], right]), rtol=1e-12, atol=1e-12 * np.abs(right).max()
+    )
 
 
 @pytest.mark.parametrize("rule", ["decoder", "decoder_mass", "encoder"])
@@ -123,7 +166,11 @@ def test_force_map_is_linear_in_the_load(fitted, rule):
     z = rom.encode(data.trajectories[0].state[:20])
     one, two = np.random.default_rng(0).standard_normal((2, N))
     whole = rom.force_map(z, 2.0 * one - 3.0 * two)
-    assert np.allclose(whole, 2.0 * rom.force_map(z, one) - 3.0 * rom.force_map(z, two), atol=1e-9 * np.abs(whole).max())
+    assert np.allclose(
+        whole,
+        2.0 * rom.force_map(z, one) - 3.0 * rom.force_map(z, two),
+        atol=1e-9 * np.abs(whole).max(),
+    )
     assert np.all(whole[:, : rom.latent] == 0.0)
 
 
@@ -134,9 +181,9 @@ def test_a_load_along_the_decoders_tangent_moves_that_coordinate_only(fitted, ru
     z = rom.encode(data.trajectories[0].state[7])
     for axis in range(rom.latent):
         along = z.copy()
-        along[rom.latent:] = np.eye(rom.latent)[axis]
+        along[rom.latent :] = np.eye(rom.latent)[axis]
         p = structure().mass @ rom.decode(along)[N:]
-        assert np.allclose(rom.force_map(z, p)[rom.latent:], np.eye(rom.latent)[axis], atol=1e-8)
+        assert np.allclose(rom.force_map(z, p)[rom.latent :], np.eye(rom.latent)[axis], atol=1e-8)
 
 
 def test_saved_equals_loaded(fitted, tmp_path):
@@ -160,20 +207,38 @@ def test_rest_stays_at_rest(fitted):
 
 
 def simulate(rom, item):
-    return solve_ivp(lambda t, z: rom.drift(z), (0, item.time[-1]), rom.encode(item.state[0]), t_eval=item.time, rtol=1e-9, atol=1e-12).y.T
+    return solve_ivp(
+        lambda t, z: rom.drift(z),
+        (0, item.time[-1]),
+        rom.encode(item.state[0]),
+        t_eval=item.time,
+        rtol=1e-9,
+        atol=1e-12,
+    ).y.T
 
 
 def nmte(item, q):
-    return 100 * np.linalg.norm(item.displacement - q, axis=1).mean() / np.linalg.norm(item.displacement, axis=1).max()
+    return (
+        100
+        * np.linalg.norm(item.displacement - q, axis=1).mean()
+        / np.linalg.norm(item.displacement, axis=1).max()
+    )
 
 
 def test_split_and_split_plus_find_the_oscillator():
     data = training()
     rom = Split(hidden=(12,), rank=0, linear="modes", every=1, epochs=400).fit(data)
-    pole = np.linalg.eigvals(np.stack([rom.drift(1e-7 * axis) / 1e-7 for axis in np.eye(2)], axis=1))
-    assert np.allclose(sorted(pole.imag), np.array([-1, 1]) * np.sqrt(FREQUENCIES[0] ** 2 - DAMPING**2 / 4), rtol=1e-6)
+    pole = np.linalg.eigvals(
+        np.stack([rom.drift(1e-7 * axis) / 1e-7 for axis in np.eye(2)], axis=1)
+    )
+    assert np.allclose(
+        sorted(pole.imag),
+        np.array([-1, 1]) * np.sqrt(FREQUENCIES[0] ** 2 - DAMPING**2 / 4),
+        rtol=1e-6,
+    )
     item = data.test[0]
-    # A small network after a short training: errors of half a per cent of the largest displacement, against tens at the start.
+    # A small network after a short training: errors of half a per cent of the largest displacement,
+    # against tens at the start.
     assert nmte(item, rom.decode(rom.encode(item.state))[:, :N]) < 0.5
     assert nmte(item, rom.decode(simulate(rom, item))[:, :N]) < 2.0
     plus = SplitPlus().fit(replace(data, start=rom))
@@ -194,10 +259,14 @@ def test_free_methods_need_no_structure():
         SindyAutoencoder(**QUICK | {"linear": "modes"}).fit(data)
 
 
-LITERAL = yaml.safe_load((Path(__file__).parents[2] / "config/thesis_literal.yaml").read_text())["method_settings"]
+LITERAL = yaml.safe_load((Path(__file__).parents[2] / "config/thesis_literal.yaml").read_text())[
+    "method_settings"
+]
 
 
-@pytest.mark.parametrize("name", sorted(set(LITERAL) - {"split_plus"}))  # which trains nothing of its own
+@pytest.mark.parametrize(
+    "name", sorted(set(LITERAL) - {"split_plus"})
+)  # which trains nothing of its own
 def test_the_literal_recipe_runs(name):
     """The overlay that a user runs for 15 000 epochs, for three of them."""
     rom = method_from_settings(name, {**LITERAL[name], "epochs": 3}).fit(training())
@@ -216,7 +285,11 @@ def test_a_static_norm_weighs_each_mode_by_the_square_of_its_period():
         chosen = Coordinates(basis, scale, FREQUENCIES[0])
         for mode, frequency in zip(known.modes[:3], known.frequencies):
             c = chosen.reduce(mode)
-            assert np.allclose(static_norm(known, chosen) @ c, (FREQUENCIES[0] / frequency) ** 2 * c, atol=1e-12 * np.abs(c).max())
+            assert np.allclose(
+                static_norm(known, chosen) @ c,
+                (FREQUENCIES[0] / frequency) ** 2 * c,
+                atol=1e-12 * np.abs(c).max(),
+            )
 
 
 def test_the_norm_of_accelerations():
@@ -228,34 +301,57 @@ def test_the_norm_of_accelerations():
         norms[norm] = problem.dynamics
         balance = np.sum(problem.train[0] ** 2) / np.sum(problem.train[2] ** 2)
         assert np.isclose(problem.dynamics.reduced, method.acceleration_reduced * balance)
-    assert norms["plain"].norm is None and np.isclose(norms["plain"].full, method.acceleration_full * balance)
+    assert norms["plain"].norm is None and np.isclose(
+        norms["plain"].full, method.acceleration_full * balance
+    )
     assert norms["static"].full == method.acceleration_full
     with pytest.raises(MethodError, match="acceleration_norm is 'dynamic'"):
         Split(acceleration_norm="dynamic")
 
 
 def test_least_squares_weigh_amplitudes():
-    """z'' = -z - 0.02 z' + 0.3 z^3 is found from any weights; from errors in proportion to the amplitude, best where those are levelled."""
+    """z'' = -z - 0.02 z' + 0.3 z^3 is found from any weights; from errors in proportion to the
+    amplitude, best where those are levelled.
+    """
     rng, exact = np.random.default_rng(1), np.zeros(9)
-    exact[[0, 1, 5]] = -1.0, -0.02, 0.3  # z, z' and z^3 among z, z', z^2, z z', z'^2, z^3, z^2 z', ...
+    exact[[0, 1, 5]] = (
+        -1.0,
+        -0.02,
+        0.3,
+    )  # z, z' and z^3 among z, z', z^2, z z', z'^2, z^3, z^2 z', ...
     amplitude = np.exp(-np.linspace(0, 5, 3000))
     y = amplitude[:, None] * rng.standard_normal((3000, 2))
     library = monomials(y, exponents(2, 1, 3))
     clean, size, spread = library @ exact, np.linalg.norm(y, axis=1), {}
     for power in (0.0, -0.5, -1.0):
-        fit = lambda second: fit_first_order((y[:, :1], y[:, 1:], second[:, None]), 3, None, power)[1]
+        fit = lambda second: fit_first_order((y[:, :1], y[:, 1:], second[:, None]), 3, None, power)[
+            1
+        ]
         assert np.allclose(fit(clean), exact, atol=1e-10)
         off = []
         for noise in rng.standard_normal((20, 3000)) * 0.05 * size:
             weight, second = size ** (2 * power), clean + noise
-            normal = np.linalg.solve(library.T @ (weight[:, None] * library), library.T @ (weight * second))
+            normal = np.linalg.solve(
+                library.T @ (weight[:, None] * library), library.T @ (weight * second)
+            )
             assert np.allclose(fit(second), normal, atol=1e-9)
             off.append(fit(second) - exact)
         spread[power] = np.std(off, axis=0)
     assert (spread[-1.0][:2] < 0.6 * spread[0.0][:2]).all()
 
 
-@pytest.mark.parametrize("setting, value", [("activation", "relu"), ("decoder_beyond", "flat"), ("force_rule", "guess"), ("latent", 0), ("linear", "mode"), ("every", 0), ("optimiser", "sgd")])
+@pytest.mark.parametrize(
+    "setting, value",
+    [
+        ("activation", "relu"),
+        ("decoder_beyond", "flat"),
+        ("force_rule", "guess"),
+        ("latent", 0),
+        ("linear", "mode"),
+        ("every", 0),
+        ("optimiser", "sgd"),
+    ],
+)
 def test_a_bad_value_is_named(setting, value):
     with pytest.raises(MethodError, match=setting):
         Split(**{setting: value})
@@ -263,7 +359,9 @@ def test_a_bad_value_is_named(setting, value):
 
 @pytest.mark.parametrize("linear", ["none", "pod", "modes"])
 def test_fewer_directions_than_coordinates_are_refused(linear):
-    with pytest.raises(MethodError, match="rank is 1, fewer directions than latent = 2; give 2 or more, or 0"):
+    with pytest.raises(
+        MethodError, match="rank is 1, fewer directions than latent = 2; give 2 or more, or 0"
+    ):
         DecoupledAutoencoder(**QUICK | {"rank": 1, "latent": 2, "linear": linear})
 
 
@@ -282,10 +380,14 @@ def test_a_fitted_model_imports_no_torch():
     import subprocess
     import sys
 
-    script = ("import sys, vibrom.latent.autoencoder_rom, vibrom.methods.split, vibrom.methods.split_plus; "
-              "assert 'torch' not in sys.modules")
+    script = (
+        "import sys, vibrom.latent.autoencoder_rom, vibrom.methods.split, vibrom.methods.split_plus; "
+        "assert 'torch' not in sys.modules"
+    )
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
 def test_settings_are_stored_as_plain_values():
-    assert all(isinstance(value, (int, float, str, bool, tuple)) for value in asdict(Split()).values())
+    assert all(
+        isinstance(value, (int, float, str, bool, tuple)) for value in asdict(Split()).values()
+    )

@@ -6,11 +6,18 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_matrix, identity
 
-from vibrom.data import DataError, label, open_dataset, save_dataset, variable
+from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.methods.ssmlearn import SsmLearn
-from vibrom.rom import MethodError, Structure, Training, Trajectory, method_from_settings, rom_from_dataset
+from vibrom.models.rom import (
+    MethodError,
+    Structure,
+    Training,
+    Trajectory,
+    method_from_settings,
+    rom_from_dataset,
+)
 
 OMEGA, DAMPING, CUBIC = 3.0, 0.05, 2.0
 PHI = np.array([0.6, 0.8, 0.0])
@@ -24,12 +31,25 @@ def slaved(z):
 @pytest.fixture(scope="module")
 def training():
     t = np.linspace(0, 20, 2001)
-    z, dz = solve_ivp(lambda t, y: [y[1], -(OMEGA**2) * y[0] - DAMPING * y[1] - CUBIC * y[0] ** 3], (0, 20), [0.8, 0.0], t_eval=t, rtol=1e-11, atol=1e-13).y
+    z, dz = solve_ivp(
+        lambda t, y: [y[1], -(OMEGA**2) * y[0] - DAMPING * y[1] - CUBIC * y[0] ** 3],
+        (0, 20),
+        [0.8, 0.0],
+        t_eval=t,
+        rtol=1e-11,
+        atol=1e-13,
+    ).y
     ddz = -(OMEGA**2) * z - DAMPING * dz - CUBIC * z**3
     follow = np.array([0.0, 0.0, 0.3])
     q, v = slaved(z), np.outer(dz, PHI) + np.outer(2 * z * dz, follow)
     a = np.outer(ddz, PHI) + np.outer(2 * dz**2 + 2 * z * ddz, follow)
-    structure = Structure(csr_matrix(identity(3)), csr_matrix(DAMPING * identity(3)), csr_matrix(OMEGA**2 * np.outer(PHI, PHI)), PHI[None], np.array([OMEGA]))
+    structure = Structure(
+        csr_matrix(identity(3)),
+        csr_matrix(DAMPING * identity(3)),
+        csr_matrix(OMEGA**2 * np.outer(PHI, PHI)),
+        PHI[None],
+        np.array([OMEGA]),
+    )
     return Training((Trajectory(t, q, v, a),), structure=structure)
 
 
@@ -37,10 +57,15 @@ def training():
 def test_finds_the_dynamics_it_was_given(training, method):
     rom = method.fit(training)
     z = np.random.default_rng(0).uniform(-0.5, 0.5, (20, 2)) * [1.0, OMEGA]
-    exact = np.stack([z[:, 1], -(OMEGA**2) * z[:, 0] - DAMPING * z[:, 1] - CUBIC * z[:, 0] ** 3], axis=1)
-    # The data hold the model exactly; least squares on it loses the condition number of the cubic library, some 1e3.
+    exact = np.stack(
+        [z[:, 1], -(OMEGA**2) * z[:, 0] - DAMPING * z[:, 1] - CUBIC * z[:, 0] ** 3], axis=1
+    )
+    # The data hold the model exactly; least squares on it loses the condition number of the cubic
+    # library, some 1e3.
     np.testing.assert_allclose(rom.drift(z), exact, atol=1e-6)
-    np.testing.assert_allclose(rom.force_map(z, np.array([1.0, 2.0, 5.0])), np.tile([0.0, 2.2], (20, 1)))
+    np.testing.assert_allclose(
+        rom.force_map(z, np.array([1.0, 2.0, 5.0])), np.tile([0.0, 2.2], (20, 1))
+    )
 
 
 def test_ssmlearn_finds_the_graph(training):
@@ -74,7 +99,10 @@ def test_without_operators_one_clear_line(training):
 
 
 def test_unknown_setting_is_named():
-    with pytest.raises(MethodError, match="methods.ssmlearn.degree = 5 is unknown; known settings: dissipative, extrapolation, modes, order_decoder, order_dynamics"):
+    with pytest.raises(
+        MethodError,
+        match="methods.ssmlearn.degree = 5 is unknown; known settings: dissipative, extrapolation, modes, order_decoder, order_dynamics",
+    ):
         method_from_settings("ssmlearn", {"degree": 5})
 
 
@@ -93,7 +121,9 @@ def test_least_squares_does_not_care_for_units():
     rng = np.random.default_rng(0)
     library, weights = rng.standard_normal((50, 4)), rng.standard_normal((2, 4))
     scale = np.array([1e-12, 1.0, 1e9, 1e3])
-    np.testing.assert_allclose(least_squares(library * scale, library @ weights.T) * scale, weights, rtol=1e-9)
+    np.testing.assert_allclose(
+        least_squares(library * scale, library @ weights.T) * scale, weights, rtol=1e-9
+    )
 
 
 def test_more_modes_than_there_are_is_refused(training):

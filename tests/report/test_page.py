@@ -43,9 +43,19 @@ class Reader(HTMLParser):
 @pytest.fixture(scope="module")
 def made(tree, tmp_path_factory):
     folder = tmp_path_factory.mktemp("out")
-    numbers = [str(folder / "tables" / f"{name}.{form}") for name in names.tables("models", "cost", "effects") for form in names.TABLE_FORMATS]
-    pictures = [str(folder / "figures" / f"{name}.svg") for name in names.figures(SCENES, "models", "cost", "effects")]
-    common = {"scores": tree.scores, "provenance": {"source_digest": "feedbeef", "versions": '{"matplotlib": "3"}'}}
+    numbers = [
+        str(folder / "tables" / f"{name}.{form}")
+        for name in names.tables("models", "cost", "effects")
+        for form in names.TABLE_FORMATS
+    ]
+    pictures = [
+        str(folder / "figures" / f"{name}.svg")
+        for name in names.figures(SCENES, "models", "cost", "effects")
+    ]
+    common = {
+        "scores": tree.scores,
+        "provenance": {"source_digest": "feedbeef", "versions": '{"matplotlib": "3"}'},
+    }
     tables.run(artefacts=tree.artefacts, tables=numbers, **common)
     figures.run(artefacts=tree.artefacts, figures=pictures[:2], **common)
     for path in pictures[2:]:  # what is in a picture is tested elsewhere
@@ -54,7 +64,12 @@ def made(tree, tmp_path_factory):
     everything = dict(artefacts=tree.artefacts, tables=numbers, figures=pictures, captions=said)
     for name in ("report.html", "again.html"):
         report.run(report=str(folder / name), **everything, **common)
-    headline.run(report=str(folder / "report.html"), tables=numbers, headline=str(folder / "headline.txt"), **common)
+    headline.run(
+        report=str(folder / "report.html"),
+        tables=numbers,
+        headline=str(folder / "headline.txt"),
+        **common,
+    )
     return folder
 
 
@@ -66,7 +81,9 @@ def page(made):
 def test_the_page_needs_nothing_else(page):
     reader = Reader(page)
     assert reader.open == []
-    assert "http" not in page and "url(" not in page and "<script" not in page and "<link" not in page
+    assert (
+        "http" not in page and "url(" not in page and "<script" not in page and "<link" not in page
+    )
     assert reader.images and all(source.startswith("data:image/") for source in reader.images)
     assert all(link.startswith("#") and link[1:] in reader.ids for link in reader.links)
 
@@ -74,14 +91,21 @@ def test_the_page_needs_nothing_else(page):
 def test_the_page_has_every_table_and_figure_once(page):
     ids = Reader(page).ids
     assert len(ids) == len(set(ids))
-    assert {f"table-{name}" for name in names.tables("models", "cost", "effects")} | {f"figure-{name}" for name in names.figures(SCENES, "models", "effects")} <= set(ids)
+    assert {f"table-{name}" for name in names.tables("models", "cost", "effects")} | {
+        f"figure-{name}" for name in names.figures(SCENES, "models", "effects")
+    } <= set(ids)
     assert len(Reader(page).images) == len(names.figures(SCENES, "models", "cost", "effects"))
 
 
 def test_the_page_shows_the_hard_cases_and_what_made_it(page):
-    hard = page[page.index('id="hard"'):]
+    hard = page[page.index('id="hard"') :]
     assert "diverged: 3 of 9 points" in hard and "Modal projection" in hard and "0.0471" in hard
-    assert "feedbeef" in page and "0123456789abcdef" in page and "matplotlib 3" in page and "numpy 2.0" in page
+    assert (
+        "feedbeef" in page
+        and "0123456789abcdef" in page
+        and "matplotlib 3" in page
+        and "numpy 2.0" in page
+    )
     assert "Schouten" in page and "Delft" in page
 
 
@@ -100,12 +124,30 @@ def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, capsy
 
 
 def test_the_headline_marks_failed_seeds_and_leaving_the_range(tmp_path):
-    outcomes = ["left_range 2, diverged 1", "left_range", "ok 2, diverged 1", "ok 2, left_range 1", "ok"]
-    frame = pd.DataFrame({"case": ["small", "large", "folding", "a", "b"], "method": "split", "nmte_percent": 1.56,
-                          "thesis_percent": 70.6, "thesis_outcome": None, "outcome": outcomes})
+    outcomes = [
+        "left_range 2, diverged 1",
+        "left_range",
+        "ok 2, diverged 1",
+        "ok 2, left_range 1",
+        "ok",
+    ]
+    frame = pd.DataFrame(
+        {
+            "case": ["small", "large", "folding", "a", "b"],
+            "method": "split",
+            "nmte_percent": 1.56,
+            "thesis_percent": 70.6,
+            "thesis_outcome": None,
+            "outcome": outcomes,
+        }
+    )
     assert list(numbers.errors(frame).iloc[0])[1:] == [
-        "1.56* (70.6) 1 of 3 diverged", "1.56* (70.6)", "1.56 (70.6) 1 of 3 diverged", "1.56 (70.6) 1 of 3*",
-        "1.56 (70.6)"]
+        "1.56* (70.6) 1 of 3 diverged",
+        "1.56* (70.6)",
+        "1.56 (70.6) 1 of 3 diverged",
+        "1.56 (70.6) 1 of 3*",
+        "1.56 (70.6)",
+    ]
     worst = frame.assign(outcome="left_range 1, training_diverged 1, step_underflow 1")
     text = numbers.text({"decay": frame, "forced": worst}, {})
     assert text.count("* outside the range of its training data") == 1
@@ -130,7 +172,9 @@ def test_only_failures_are_hard_cases(collection, scores):
     from vibrom.report.scores import Scores
 
     good = Scores(scores.frame.assign(outcome="ok"))
-    assert list(hard_cases.table(collection, good)["Asked for"]) == ["without stop"] * 2  # not elasticity, which cannot be left out
+    assert (
+        list(hard_cases.table(collection, good)["Asked for"]) == ["without stop"] * 2
+    )  # not elasticity, which cannot be left out
     hard = hard_cases.table(collection, scores).set_index("Model").drop("Full order")
     assert list(hard.index) == ["Modal projection", "SPLIT", "SPLIT+"]
     assert list(hard["Outcome"]) == ["diverged", "diverged", "training_diverged"]

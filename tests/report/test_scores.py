@@ -38,8 +38,15 @@ def test_tally():
 
 @pytest.mark.parametrize(
     ("written", "label"),
-    [(0, "seed_0"), ("2", "seed_2"), (1.0, "seed_1"), ("seed_1", "seed_1"),
-     (-1, "unseeded"), ("unseeded", "unseeded"), (np.nan, "unseeded")],
+    [
+        (0, "seed_0"),
+        ("2", "seed_2"),
+        (1.0, "seed_1"),
+        ("seed_1", "seed_1"),
+        (-1, "unseeded"),
+        ("unseeded", "unseeded"),
+        (np.nan, "unseeded"),
+    ],
 )
 def test_seeds_are_read_however_they_are_written(written, label):
     assert seed_label(written) == label
@@ -47,7 +54,10 @@ def test_seeds_are_read_however_they_are_written(written, label):
 
 def test_the_drawn_seed_is_the_middle_one_and_failed_seeds_come_last():
     errors = enumerate((9.0, np.nan, 2.0))
-    rows = [("small", "split", seed, "decay", "nmte_percent", value, "percent", 0.1, "ok") for seed, value in errors]
+    rows = [
+        ("small", "split", seed, "decay", "nmte_percent", value, "percent", 0.1, "ok")
+        for seed, value in errors
+    ]
     scores = Scores(pd.DataFrame(rows, columns=list(COLUMNS)))
     assert scores.median_seed("small", "split", ["seed_0", "seed_1", "seed_2"]) == "seed_0"
     assert scores.median_seed("small", "split", ["seed_0", "seed_2"]) == "seed_2"

@@ -1,16 +1,19 @@
-"""Newmark: order two, energy, linear closed form, batch equals loop, sparse equals banded, failures reported."""
+"""Newmark: order two, energy, linear closed form, batch equals loop, sparse equals banded, failures
+reported.
+"""
 
 import numpy as np
 import pytest
 from numba import njit
 from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
 
-from vibrom import effects, space
-from vibrom.lanes import load
-from vibrom.modes import eigenmodes
-from vibrom.solvers.newmark import Newmark, Record
-from vibrom.solvers.newmark_loop import predict
-from vibrom.solvers.static import equilibrium
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.kernels.lanes import get
+from vibrom.solvers.full.modes import eigenmodes
+from vibrom.solvers.full.newmark import Newmark, Record
+from vibrom.solvers.full.newmark_loop import predict
+from vibrom.solvers.full.static import equilibrium
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +29,9 @@ def undamped():
 
 
 def test_linear_decay_is_that_of_the_damped_mode():
-    """q = phi e^{-zeta omega t} (cos omega_d t + zeta/sqrt(1-zeta^2) sin omega_d t), up to the method's second order."""
+    """q = phi e^{-zeta omega t} (cos omega_d t + zeta/sqrt(1-zeta^2) sin omega_d t), up to the
+    method's second order.
+    """
     made = space.build(CANTILEVER)
     term = effects.assemble(made, {**LINEAR, "rayleigh_damping": {"damping_ratio": 0.01}})
     (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
@@ -34,7 +39,11 @@ def test_linear_decay_is_that_of_the_damped_mode():
     step = 2 * np.pi / damped / 400
     motion = Newmark().run(term, 0.01 * phi[:, None], np.array([step]), steps)
     t = motion.kept * step
-    exact = 0.01 * np.exp(-0.01 * omega * t) * (np.cos(damped * t) + 0.01 / np.sqrt(1 - 1e-4) * np.sin(damped * t))
+    exact = (
+        0.01
+        * np.exp(-0.01 * omega * t)
+        * (np.cos(damped * t) + 0.01 / np.sqrt(1 - 1e-4) * np.sin(damped * t))
+    )
     modal = motion.displacement[0] @ (term.mass @ phi)
     # Period error (omega h)^2/12 = 2e-5 a radian, over 5 periods 31 rad: 6.5e-4 of the amplitude.
     assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
@@ -48,27 +57,40 @@ def test_guess_is_exact_for_a_cubic_and_an_alternation():
 
     @njit
     def run(q, v, a, past, plain_q, plain_v, h):
-        predict(q, v, a, past, plain_q, plain_v, load(h, 0, 2), gamma, beta, 2)
+        predict(q, v, a, past, plain_q, plain_v, get(h, 0, 2), gamma, beta, 2)
 
-    q, v, guess, past, plain_q, plain_v = np.full((1, 2), 0.3), np.full((1, 2), -0.4), a[4].copy(), a[3::-1].copy(), np.zeros((1, 2)), np.zeros((1, 2))
+    q, v, guess, past, plain_q, plain_v = (
+        np.full((1, 2), 0.3),
+        np.full((1, 2), -0.4),
+        a[4].copy(),
+        a[3::-1].copy(),
+        np.zeros((1, 2)),
+        np.zeros((1, 2)),
+    )
     run(q, v, guess, past, plain_q, plain_v, step)
     np.testing.assert_allclose(guess, a[5], rtol=1e-12)
     np.testing.assert_array_equal(past, a[4:0:-1])
-    np.testing.assert_allclose(plain_q, 0.3 - 0.4 * step + step**2 * (0.5 - beta) * a[4], rtol=1e-12)
+    np.testing.assert_allclose(
+        plain_q, 0.3 - 0.4 * step + step**2 * (0.5 - beta) * a[4], rtol=1e-12
+    )
     np.testing.assert_allclose(q, plain_q + beta * step**2 * a[5], rtol=1e-12)
     np.testing.assert_allclose(plain_v, -0.4 + step * (1 - gamma) * a[4], rtol=1e-12)
     np.testing.assert_allclose(v, plain_v + gamma * step * a[5], rtol=1e-12)
 
 
 def test_order_two(undamped):
-    """The steps resolve even the fastest mode, which the release excites: only then is the error that of the leading order."""
+    """The steps resolve even the fastest mode, which the release excites: only then is the error
+    that of the leading order.
+    """
     made, term = undamped
     (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
     start = (0.2 / np.abs(phi).max() * phi)[:, None]
     period, ends = 2 * np.pi / omega, []
     counts = [4000, 8000, 16000, 32000]
     for count in counts:
-        motion = Newmark(tolerance=1e-10).run(term, start, np.array([0.25 * period / count]), count, record=Record(every=count))
+        motion = Newmark(tolerance=1e-10).run(
+            term, start, np.array([0.25 * period / count]), count, record=Record(every=count)
+        )
         assert motion.outcomes == ["ok"]
         ends.append(phi @ (term.mass @ motion.displacement[0, -1]))
     # Three halvings give two ratios of successive differences, each 2^order.
@@ -77,35 +99,74 @@ def test_order_two(undamped):
 
 
 def test_energy_of_an_undamped_motion_stays(undamped):
-    """Trapezoidal rule: energy is not conserved exactly by a nonlinear body, but its error is of second order and does not drift away."""
+    """Trapezoidal rule: energy is not conserved exactly by a nonlinear body, but its error is of
+    second order and does not drift away.
+    """
     made, term = undamped
     (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
     start = (0.05 / np.abs(phi).max() * phi)[:, None]
     errors = []
     for count in (4000, 8000):
-        motion = Newmark(tolerance=1e-10).run(term, start, np.array([2 * np.pi / omega / count]), 3 * count, record=Record(every=count // 50))
-        energy = np.array([0.5 * v @ (term.mass @ v) + strain_energy(made, term, q) for q, v in zip(motion.displacement[0], motion.velocity[0])])
+        motion = Newmark(tolerance=1e-10).run(
+            term,
+            start,
+            np.array([2 * np.pi / omega / count]),
+            3 * count,
+            record=Record(every=count // 50),
+        )
+        energy = np.array(
+            [
+                0.5 * v @ (term.mass @ v) + strain_energy(made, term, q)
+                for q, v in zip(motion.displacement[0], motion.velocity[0])
+            ]
+        )
         errors.append(np.abs(energy / energy[0] - 1).max())
     assert errors[1] < 1e-4 and errors[1] == pytest.approx(errors[0] / 4, rel=0.2)
 
 
 def test_energy_of_the_folding_beam(cantilever, capsys):
-    """The thesis's beam, let go undamped from the shape in which it folds: what gamma = 1/2 and the thesis's alpha do to its energy."""
+    """The thesis's beam, let go undamped from the shape in which it folds: what gamma = 1/2 and the
+    thesis's alpha do to its energy.
+    """
     made, term = cantilever
     free, step = effects.assemble(made, UNDAMPED), 2 * np.pi / 398.0325
     signal = 3000 * np.sin(2 * np.pi * np.arange(13377) / 1000)[:, None]
-    shape = Newmark(alpha=0.005).run(term, np.zeros((made.size, 1)), np.array([step / 1000]), 13376, signal=signal, record=Record(start=13376))
+    shape = Newmark(alpha=0.005).run(
+        term,
+        np.zeros((made.size, 1)),
+        np.array([step / 1000]),
+        13376,
+        signal=signal,
+        record=Record(start=13376),
+    )
     drift = {}
     for alpha, count in ((0.0, 500), (0.0, 1000), (0.005, 1000)):
-        motion = Newmark(alpha=alpha, tolerance=1e-7).run(free, shape.displacement[0].T, np.array([step / count]), 30 * count,
-                                                          record=Record(every=count // 10))
-        energy = np.array([0.5 * v @ (free.mass @ v) + strain_energy(made, free, q) for q, v in zip(motion.displacement[0], motion.velocity[0])])
+        motion = Newmark(alpha=alpha, tolerance=1e-7).run(
+            free,
+            shape.displacement[0].T,
+            np.array([step / count]),
+            30 * count,
+            record=Record(every=count // 10),
+        )
+        energy = np.array(
+            [
+                0.5 * v @ (free.mass @ v) + strain_energy(made, free, q)
+                for q, v in zip(motion.displacement[0], motion.velocity[0])
+            ]
+        )
         drift[alpha, count] = energy[-1] / energy[0] - 1, np.abs(energy / energy[0] - 1).max()
     with capsys.disabled():
         for (alpha, count), (end, largest) in drift.items():
-            print(f"\nenergy after 30 undamped periods, alpha = {alpha}, T/{count}: {end:+.2e}, largest deviation {largest:.1e}", end="")
-    # Second order without numerical damping: four times less for half the step; with it, energy can only fall.
-    assert drift[0.0, 1000][1] == pytest.approx(drift[0.0, 500][1] / 4, rel=0.1) and drift[0.0, 1000][1] < 1e-4
+            print(
+                f"\nenergy after 30 undamped periods, alpha = {alpha}, T/{count}: {end:+.2e}, largest deviation {largest:.1e}",
+                end="",
+            )
+    # Second order without numerical damping: four times less for half the step; with it, energy can
+    # only fall.
+    assert (
+        drift[0.0, 1000][1] == pytest.approx(drift[0.0, 500][1] / 4, rel=0.1)
+        and drift[0.0, 1000][1] < 1e-4
+    )
     assert -0.05 < drift[0.005, 1000][0] < 0
 
 
@@ -135,33 +196,59 @@ def test_batch_equals_loop(cantilever):
         # All are solved to 1e-8; the tangents that they iterate with differ.
         scale = np.abs(alone.displacement).max()
         for together in (small, large):
-            assert np.abs(together.displacement[index] - alone.displacement[0]).max() <= 1e-5 * scale
+            assert (
+                np.abs(together.displacement[index] - alone.displacement[0]).max() <= 1e-5 * scale
+            )
         for copy in np.nonzero(np.array(many) == index)[0]:
             np.testing.assert_array_equal(large.displacement[copy], large.displacement[index])
 
 
 @pytest.mark.parametrize("stiffness_factor", [0.0, 1e-5])
 def test_sparse_equals_banded(stiffness_factor, cantilever):
-    """With damping that is a multiple of the mass, of which the banded loop makes use, and with any other."""
+    """With damping that is a multiple of the mass, of which the banded loop makes use, and with any
+    other.
+    """
     made, _ = cantilever
-    term = effects.assemble(made, {**THESIS, "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": stiffness_factor}})
+    term = effects.assemble(
+        made,
+        {
+            **THESIS,
+            "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": stiffness_factor},
+        },
+    )
     signal = 3000 * np.sin(2 * np.pi * np.arange(201) / 500)[:, None]
     step, rest = np.array([2 * np.pi / 398.0325 / 500]), np.zeros((made.size, 1))
     banded = Newmark(tolerance=1e-8).run(term, rest, step, 200, signal=signal)
     sparse = Newmark(tolerance=1e-8, widest_band=0).run(term, rest, step, 200, signal=signal)
-    assert np.abs(banded.displacement - sparse.displacement).max() <= 1e-6 * np.abs(banded.displacement).max()
+    assert (
+        np.abs(banded.displacement - sparse.displacement).max()
+        <= 1e-6 * np.abs(banded.displacement).max()
+    )
     assert sparse.outcomes == ["ok"]
 
 
 @pytest.mark.parametrize("states", [1, 4])
-@pytest.mark.parametrize("damping", [{}, {"damping_ratio": 0.01}, {"damping_ratio": 0.01, "stiffness_factor": 1e-5}])
+@pytest.mark.parametrize(
+    "damping", [{}, {"damping_ratio": 0.01}, {"damping_ratio": 0.01, "stiffness_factor": 1e-5}]
+)
 def test_linear_steps_in_displacements_are_those_in_accelerations(damping, states, cantilever):
-    """Forced, under gravity, from a moving start; each state with a step of its own. The stiffness is rounded once more, which moves the first frequency by
-    (omega_n / omega_1)^2 eps, 1e-8."""
+    """Forced, under gravity, from a moving start; each state with a step of its own. The stiffness
+    is rounded once more, which moves the first frequency by (omega_n / omega_1)^2 eps, 1e-8."""
     made, _ = cantilever
-    term = effects.assemble(made, {**LINEAR, **({"rayleigh_damping": damping} if damping else {}), "modal_load": {"mode": 1}, "gravity": {"x": 0.0, "y": -9.81}})
+    term = effects.assemble(
+        made,
+        {
+            **LINEAR,
+            **({"rayleigh_damping": damping} if damping else {}),
+            "modal_load": {"mode": 1},
+            "gravity": {"x": 0.0, "y": -9.81},
+        },
+    )
     signal = 3000 * np.sin(2 * np.pi * np.arange(301)[:, None] / 250 + np.arange(states))
-    steps, rest = 2 * np.pi / 398.0325 / np.linspace(250, 1000, states), np.zeros((made.size, states))
+    steps, rest = (
+        2 * np.pi / 398.0325 / np.linspace(250, 1000, states),
+        np.zeros((made.size, states)),
+    )
     speed = np.outer(made.dof_location[:, 0], np.ones(states))
     motion = Newmark(alpha=0.005).run(term, rest, steps, 300, velocity=speed, signal=signal)
     mass, stiffness = term.mass.toarray(), term.stiffness.toarray()
@@ -176,7 +263,11 @@ def test_linear_steps_in_displacements_are_those_in_accelerations(damping, state
             q, v = q + h * v + h**2 * (0.5 - beta) * a, v + h * (1 - gamma) * a
             a = operator @ (p - drag @ v - stiffness @ q)
             q, v = q + beta * h**2 * a, v + gamma * h * a
-        for ours, theirs, digits in zip((motion.displacement, motion.velocity, motion.acceleration), (q, v, a), (1e-7, 1e-7, 1e-6)):
+        for ours, theirs, digits in zip(
+            (motion.displacement, motion.velocity, motion.acceleration),
+            (q, v, a),
+            (1e-7, 1e-7, 1e-6),
+        ):
             assert np.abs(ours[w, -1] - theirs).max() <= digits * np.abs(theirs).max()
 
 
@@ -195,20 +286,38 @@ def test_failed_convergence_has_a_time_and_spoils_no_other(cantilever):
     made, term = cantilever
     # Two steps a period of a load that folds the beam: Newton's method cannot follow it.
     signal = np.stack([np.full(60, 1e-3), np.full(60, 5e7), np.full(60, 1e-3)], axis=1)
-    motion = Newmark(max_iterations=8).run(term, np.zeros((made.size, 3)), np.full(3, 8e-3), 59, signal=signal)
+    motion = Newmark(max_iterations=8).run(
+        term, np.zeros((made.size, 3)), np.full(3, 8e-3), 59, signal=signal
+    )
     assert motion.outcomes == ["ok", "no_convergence", "ok"]
     assert 0 < motion.failed_at[1] <= 59 * 8e-3
     failed = round(motion.failed_at[1] / 8e-3)
-    assert np.isnan(motion.displacement[1, failed:]).all() and np.isfinite(motion.displacement[[0, 2]]).all()
+    assert (
+        np.isnan(motion.displacement[1, failed:]).all()
+        and np.isfinite(motion.displacement[[0, 2]]).all()
+    )
 
 
 def test_records_what_is_asked(cantilever):
     made, term = cantilever
     signal = 600 * np.sin(2 * np.pi * np.arange(4101) / 1000)[:, None]
     step = np.array([2 * np.pi / 398.0325 / 1000])
-    whole = Newmark(alpha=0.005).run(term, np.zeros((made.size, 1)), step, 4100, signal=signal, record=Record(probes=np.array([3, 7])))
-    part = Newmark(alpha=0.005).run(term, np.zeros((made.size, 1)), step, 4100, signal=signal,
-                                    record=Record(every=7, start=1990, probes=np.array([7]), probe_start=1995))
+    whole = Newmark(alpha=0.005).run(
+        term,
+        np.zeros((made.size, 1)),
+        step,
+        4100,
+        signal=signal,
+        record=Record(probes=np.array([3, 7])),
+    )
+    part = Newmark(alpha=0.005).run(
+        term,
+        np.zeros((made.size, 1)),
+        step,
+        4100,
+        signal=signal,
+        record=Record(every=7, start=1990, probes=np.array([7]), probe_start=1995),
+    )
     np.testing.assert_array_equal(part.displacement[0], whole.displacement[0, 1990::7])
     np.testing.assert_array_equal(part.acceleration[0], whole.acceleration[0, 1990::7])
     np.testing.assert_array_equal(part.probes[0, 0], whole.probes[0, 1, 1995:])
@@ -216,30 +325,44 @@ def test_records_what_is_asked(cantilever):
 
 
 def test_dead_load_holds_the_body_where_statics_does(cantilever):
-    """Released at the equilibrium under gravity, the body stays there; the force of 5e4 m/s^2 bends it by a tenth of its length."""
+    """Released at the equilibrium under gravity, the body stays there; the force of 5e4 m/s^2 bends
+    it by a tenth of its length.
+    """
     made, _ = cantilever
     term = effects.assemble(made, {**THESIS, "gravity": {"x": 0.0, "y": -5e4}})
     rest = equilibrium(term)
     for settings in (Newmark(tolerance=1e-8), Newmark(tolerance=1e-8, widest_band=0)):
         motion = settings.run(term, rest[:, None], np.array([1.5e-5]), 50)
         assert motion.outcomes == ["ok"]
-        # A constant residual r bends the body no farther than r/K: the statics' own tolerance, doubled by the swing.
+        # A constant residual r bends the body no farther than r/K: the statics' own tolerance,
+        # doubled by the swing.
         assert np.abs(motion.displacement[0] - rest).max() <= 1e-6 * np.abs(rest).max()
 
 
 def test_a_follower_load_in_the_band_and_in_a_sparse_matrix(cantilever):
-    """The band keeps half of its tangent, the sparse factorisation all of it: the same motion, in as many iterations."""
+    """The band keeps half of its tangent, the sparse factorisation all of it: the same motion, in
+    as many iterations.
+    """
     made, _ = cantilever
-    term = effects.assemble(made, {**THESIS, "follower_load": {"edge": "right", "pressure": 2e6, "shear": 1e6}})
+    term = effects.assemble(
+        made, {**THESIS, "follower_load": {"edge": "right", "pressure": 2e6, "shear": 1e6}}
+    )
     start, step = np.zeros((made.size, 1)), np.array([1.5e-5])
-    half, whole = (Newmark(tolerance=1e-8, widest_band=width).run(term, start, step, 200) for width in (400, 0))
+    half, whole = (
+        Newmark(tolerance=1e-8, widest_band=width).run(term, start, step, 200) for width in (400, 0)
+    )
     assert half.outcomes == whole.outcomes == ["ok"]
-    assert np.abs(half.displacement - whole.displacement).max() <= 1e-6 * np.abs(whole.displacement).max()
+    assert (
+        np.abs(half.displacement - whole.displacement).max()
+        <= 1e-6 * np.abs(whole.displacement).max()
+    )
     assert half.iterations <= 1.2 * whole.iterations
 
 
 def test_a_start_that_is_stretched_far(cantilever):
-    """Bent along a straight mode the axis is too long: at the first step the usual guess goes far astray, and the tangent there is indefinite."""
+    """Bent along a straight mode the axis is too long: at the first step the usual guess goes far
+    astray, and the tangent there is indefinite.
+    """
     made, _ = cantilever
     term = effects.assemble(made, {**UNDAMPED, "rayleigh_damping": {"damping_ratio": 0.01}})
     (omega,), (phi,) = (part[:1] for part in eigenmodes(term, 1))
@@ -247,6 +370,10 @@ def test_a_start_that_is_stretched_far(cantilever):
     coarse = Newmark(alpha=0.005).run(term, start, step, 200)
     fine = Newmark(alpha=0.005).run(term, start, step / 8, 1600, record=Record(every=8))
     assert coarse.outcomes == fine.outcomes == ["ok"]
-    # The bending is resolved to (omega h)^2/12 a radian, 4e-6 of it over this fifth of a period; the axial swing that comes with it is not.
+    # The bending is resolved to (omega h)^2/12 a radian, 4e-6 of it over this fifth of a period;
+    # the axial swing that comes with it is not.
     tip = np.abs(phi).argmax()
-    assert np.abs(coarse.displacement[0, :, tip] - fine.displacement[0, :, tip]).max() <= 1e-3 * np.abs(start).max()
+    assert (
+        np.abs(coarse.displacement[0, :, tip] - fine.displacement[0, :, tip]).max()
+        <= 1e-3 * np.abs(start).max()
+    )

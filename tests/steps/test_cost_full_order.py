@@ -1,4 +1,6 @@
-"""The study of the full order: errors against SciPy's integrator, orders, and frequencies against beam theory."""
+"""The study of the full order: errors against SciPy's integrator, orders, and frequencies against
+beam theory.
+"""
 
 import numpy as np
 import pytest
@@ -6,25 +8,46 @@ import xarray as xr
 from scenes import SLENDER, body
 from scipy.integrate import solve_ivp
 
-from vibrom import effects, space
-from vibrom.data import label, open_dataset, save_dataset, variable
-from vibrom.nmte import nmte_percent
+from vibrom import effects
+from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.bodies import space
+from vibrom.models.measures import nmte_percent
 from vibrom.steps import cost_full_order, structure
 
 PERIODS = 2
 SCENE = {
     "body": body(cells=[3, 1], height=0.1),
     # The release excites the high modes, and damping proportional to the stiffness ends them.
-    "effects": {"inertia": {"density": 440.0}, "elasticity": SLENDER, "geometric_nonlinearity": {},
-                "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 1e-4}, "modal_load": {"mode": 1}},
-    "time": {"steps_per_period": 240, "every": 1, "alpha": 0.005, "residual": 1e-8, "initial_acceleration": "zero"},
-    "decay": {"periods": PERIODS}, "forced": {"forcing": 2e3, "periods": PERIODS},
+    "effects": {
+        "inertia": {"density": 440.0},
+        "elasticity": SLENDER,
+        "geometric_nonlinearity": {},
+        "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 1e-4},
+        "modal_load": {"mode": 1},
+    },
+    "time": {
+        "steps_per_period": 240,
+        "every": 1,
+        "alpha": 0.005,
+        "residual": 1e-8,
+        "initial_acceleration": "zero",
+    },
+    "decay": {"periods": PERIODS},
+    "forced": {"forcing": 2e3, "periods": PERIODS},
 }
 SETTINGS = {
-    "schemes": [{"alpha": 0.0, "initial_acceleration": "equilibrium"}, {"alpha": 0.02, "initial_acceleration": "equilibrium"}],
-    "steps_per_period": [200, 400, 800], "residuals": [1e-3], "forced_periods": 2, "reference": {"steps_per_period": 6400, "residual": 1e-9},
-    "meshes": {"bilinear": [[10, 1], [20, 1]], "quadratic": [[10, 1]]}, "reference_mesh": {"element": "quadratic", "cells": [20, 1]},
-    "mesh_periods": 1, "mesh_steps_per_period": 100,
+    "schemes": [
+        {"alpha": 0.0, "initial_acceleration": "equilibrium"},
+        {"alpha": 0.02, "initial_acceleration": "equilibrium"},
+    ],
+    "steps_per_period": [200, 400, 800],
+    "residuals": [1e-3],
+    "forced_periods": 2,
+    "reference": {"steps_per_period": 6400, "residual": 1e-9},
+    "meshes": {"bilinear": [[10, 1], [20, 1]], "quadratic": [[10, 1]]},
+    "reference_mesh": {"element": "quadratic", "cells": [20, 1]},
+    "mesh_periods": 1,
+    "mesh_steps_per_period": 100,
 }
 
 
@@ -35,11 +58,19 @@ def study(tmp_path_factory):
     structure.run(structure=paths["structure"], scene=SCENE, name="slender", provenance={})
     phi = open_dataset(paths["structure"], "structure")["mode_shape"].values[0]
     shape = 0.05 * phi / np.abs(phi).max()
-    release = xr.Dataset({"displacement": variable(("role", "dof"), np.stack([shape, shape]), "m", "release")},
-                         coords={"role": variable("role", np.array(["train", "test"], dtype=object), "1", "role")})
+    release = xr.Dataset(
+        {"displacement": variable(("role", "dof"), np.stack([shape, shape]), "m", "release")},
+        coords={"role": variable("role", np.array(["train", "test"], dtype=object), "1", "role")},
+    )
     save_dataset(label(release, "release", scene="slender", method="full_order"), paths["release"])
-    cost_full_order.run(**paths, scene=SCENE, settings=SETTINGS, repeats=1, patience=0.0, provenance={})
-    return open_dataset(paths["structure"], "structure"), shape, open_dataset(paths["cost"], "cost_full_order")
+    cost_full_order.run(
+        **paths, scene=SCENE, settings=SETTINGS, repeats=1, patience=0.0, provenance={}
+    )
+    return (
+        open_dataset(paths["structure"], "structure"),
+        shape,
+        open_dataset(paths["cost"], "cost_full_order"),
+    )
 
 
 def errors(dataset, question, **where):
@@ -60,41 +91,71 @@ def test_errors_are_those_against_an_integrator_of_order_eight(study):
         f = np.zeros((n, 1))
         q, v = np.ascontiguousarray(x[:n, None]), np.ascontiguousarray(x[n:, None])
         kernel(q, v, force.dofs, force.table, f)
-        return np.concatenate([x[n:], -mass @ (term.damping @ x[n:] + term.stiffness @ x[:n] + f[:, 0])])
+        return np.concatenate(
+            [x[n:], -mass @ (term.damping @ x[n:] + term.stiffness @ x[:n] + f[:, 0])]
+        )
 
-    period = 2 * np.pi / (float(known["frequency"][0]) * np.sqrt(1 - float(known["damping_ratio"][0]) ** 2))
+    period = (
+        2
+        * np.pi
+        / (float(known["frequency"][0]) * np.sqrt(1 - float(known["damping_ratio"][0]) ** 2))
+    )
     instants = np.arange(50 * PERIODS + 1) * period / 50
-    exact = solve_ivp(rate, (0, instants[-1] * (1 + 1e-12)), np.concatenate([start, 0 * start]), "DOP853", instants, rtol=1e-9, atol=1e-10).y[:n].T
-    from vibrom.solvers.newmark import Newmark, Record
+    exact = (
+        solve_ivp(
+            rate,
+            (0, instants[-1] * (1 + 1e-12)),
+            np.concatenate([start, 0 * start]),
+            "DOP853",
+            instants,
+            rtol=1e-9,
+            atol=1e-10,
+        )
+        .y[:n]
+        .T
+    )
+    from vibrom.solvers.full.newmark import Newmark, Record
 
-    run = Newmark(tolerance=1e-8).run(term, start[:, None], np.array([period / 400]), 400 * PERIODS, record=Record(every=8))
+    run = Newmark(tolerance=1e-8).run(
+        term, start[:, None], np.array([period / 400]), 400 * PERIODS, record=Record(every=8)
+    )
     independent = nmte_percent(np.linalg.norm(run.displacement[0] - exact, axis=1), exact)
     (told,) = errors(dataset, "decay", study="step", alpha=0.0, steps_per_period=400)
     own = float(dataset["reference_error"].sel(question="decay"))
-    # Two errors against two references differ by no more than the references do; that of SciPy is nothing.
+    # Two errors against two references differ by no more than the references do; that of SciPy is
+    # nothing.
     assert abs(told - independent) <= 1.5 * own and own < 0.02 * told
 
 
 def test_orders(study):
     _, _, dataset = study
     for question in ("decay", "forced"):
-        plain, damped = (errors(dataset, question, study="step", alpha=alpha) for alpha in (0.0, 0.02))
+        plain, damped = (
+            errors(dataset, question, study="step", alpha=alpha) for alpha in (0.0, 0.02)
+        )
         # Second order; the finest error carries that of the reference, 1/64 of it.
         assert np.log2(plain[:-1] / plain[1:]) == pytest.approx(2.0, abs=0.1)
         # Numerical damping adds a part proportional to alpha h.
         assert (np.log2(damped[:-1] / damped[1:]) < 1.6).all() and (damped > plain).all()
-        assert float(dataset["reference_order"].sel(question=question)) == pytest.approx(2.0, abs=0.1)
+        assert float(dataset["reference_order"].sel(question=question)) == pytest.approx(
+            2.0, abs=0.1
+        )
 
 
 def test_steps_that_are_no_multiple_of_the_samples_go_up_to_the_next(study):
     """240 steps to the period of the scene, 50 samples: 250."""
     _, _, dataset = study
     chosen = dataset["study"].values == "residual"
-    assert dataset["steps_per_period"].values[chosen].tolist() == [250] and (dataset["error"].sel(question=["decay", "forced"]).values[chosen] > 0).all()
+    assert (
+        dataset["steps_per_period"].values[chosen].tolist() == [250]
+        and (dataset["error"].sel(question=["decay", "forced"]).values[chosen] > 0).all()
+    )
 
 
 def test_meshes_against_beam_theory(study):
-    """omega = 1.8751^2 sqrt(E I / (rho A)) / L^2 for a slender beam; shear and rotation take 0.6 % at L/h = 10."""
+    """omega = 1.8751^2 sqrt(E I / (rho A)) / L^2 for a slender beam; shear and rotation take 0.6 %
+    at L/h = 10.
+    """
     _, _, dataset = study
     exact = 1.875104**2 * np.sqrt(SLENDER["young_modulus"] * 0.1**2 / 12 / 440.0)
     mesh = dataset["study"].values == "mesh"
@@ -112,12 +173,19 @@ def test_a_mesh_without_a_node_for_an_effect_is_skipped():
     settings = {**SETTINGS, "meshes": {"bilinear": [[10, 1], [20, 1]]}, "mesh_steps_per_period": 50}
     rows, _ = cost_full_order.meshes(scene, settings, 1, 0.0)
     outcomes = [[answer[3] for answer in row.answers.values()] for row in rows]
-    assert outcomes == [["skipped"] * 2, ["ok"] * 2] and np.isnan(rows[0].answers["frequency"][0]) and rows[1].answers["frequency"][0] > 0
+    assert (
+        outcomes == [["skipped"] * 2, ["ok"] * 2]
+        and np.isnan(rows[0].answers["frequency"][0])
+        and rows[1].answers["frequency"][0] > 0
+    )
 
 
 def test_the_artefact_says_on_what_machine(study):
     import json
 
     hardware = json.loads(study[2].attrs["hardware"])
-    assert set(hardware) == {"processor", "cores", "memory_gib", "threads", "load", "system"} and hardware["cores"] >= 1
+    assert (
+        set(hardware) == {"processor", "cores", "memory_gib", "threads", "load", "system"}
+        and hardware["cores"] >= 1
+    )
     assert (study[2]["calls"].values[study[2]["outcome"].values != "not asked"] == 1).all()

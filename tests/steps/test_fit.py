@@ -12,7 +12,14 @@ def test_a_torn_checkpoint_is_none(tmp_path):
     whole = path.read_bytes()
     flipped = bytearray(whole)
     flipped[len(whole) // 2] ^= 255
-    for torn in (whole[:0], whole[:2], whole[:100], whole[: len(whole) // 2], whole[:-3], bytes(flipped)):
+    for torn in (
+        whole[:0],
+        whole[:2],
+        whole[:100],
+        whole[: len(whole) // 2],
+        whole[:-3],
+        bytes(flipped),
+    ):
         path.write_bytes(torn)
         monitor = FileMonitor(str(path), "fit")
         assert monitor.restore() is None and monitor.seconds["mapping"] == 0.0

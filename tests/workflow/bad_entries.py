@@ -1,6 +1,12 @@
-"""Wrong entries of the configuration: file, key, wrong value, and what the line must say (key, value, cure)."""
+"""Wrong entries of the configuration: file, key, wrong value, and what the line must say (key,
+value, cure).
+"""
 
-SCENE, METHOD, CONFIG = "config/scenes/folding.yaml", "config/methods/split.yaml", "config/config.yaml"
+SCENE, METHOD, CONFIG = (
+    "config/scenes/folding.yaml",
+    "config/methods/split.yaml",
+    "config/config.yaml",
+)
 
 BAD = {
     "unknown effect": (
@@ -9,9 +15,24 @@ BAD = {
         {"tesla": 1.5},
         ["effects.magnetism", "1.5", "is no effect", "choose from"],
     ),
-    "misspelt effect": (SCENE, "effects.inertial", {"density": 1.0}, ["effects.inertial", "did you mean 'inertia'?"]),
-    "unknown scene": (CONFIG, "scenes", ["foldin"], ["scenes[0]", "'foldin'", "did you mean 'folding'?"]),
-    "unknown method": (CONFIG, "methods", ["splitt"], ["methods[0]", "'splitt'", "did you mean 'split'?"]),
+    "misspelt effect": (
+        SCENE,
+        "effects.inertial",
+        {"density": 1.0},
+        ["effects.inertial", "did you mean 'inertia'?"],
+    ),
+    "unknown scene": (
+        CONFIG,
+        "scenes",
+        ["foldin"],
+        ["scenes[0]", "'foldin'", "did you mean 'folding'?"],
+    ),
+    "unknown method": (
+        CONFIG,
+        "methods",
+        ["splitt"],
+        ["methods[0]", "'splitt'", "did you mean 'split'?"],
+    ),
     "unknown experiment": (
         CONFIG,
         "experiments",
@@ -19,7 +40,12 @@ BAD = {
         ["experiments[1]", "'decai'", "did you mean 'decay'?"],
     ),
     "unknown key": (CONFIG, "seed", [0], ["seed = [0]", "unknown key", "did you mean 'seeds'?"]),
-    "unknown scene key": (SCENE, "body.lenght", 1.0, ["body.lenght = 1.0", "did you mean 'length'?"]),
+    "unknown scene key": (
+        SCENE,
+        "body.lenght",
+        1.0,
+        ["body.lenght = 1.0", "did you mean 'length'?"],
+    ),
     "missing scene key": (SCENE, "body.width", ..., ["body.width", "is missing"]),
     "unknown element": (
         SCENE,
@@ -45,16 +71,31 @@ BAD = {
         ...,
         ["effects.inertia.density", "is missing", "add it"],
     ),
-    "unknown edge": (SCENE, "body.clamped", ["lef"], ["body.clamped[0] = 'lef'", "did you mean 'left'?"]),
+    "unknown edge": (
+        SCENE,
+        "body.clamped",
+        ["lef"],
+        ["body.clamped[0] = 'lef'", "did you mean 'left'?"],
+    ),
     "train is test": (
         SCENE,
         "releases.test",
         {"forcing": 3000.0, "step": 13376},
         ["releases.test", "13376", "give another"],
     ),
-    "zero time step": (SCENE, "time.steps_per_period", 0, ["time.steps_per_period = 0", "at least 20"]),
+    "zero time step": (
+        SCENE,
+        "time.steps_per_period",
+        0,
+        ["time.steps_per_period = 0", "at least 20"],
+    ),
     "every does not divide": (SCENE, "time.every", 7, ["time.every = 7", "choose a divisor"]),
-    "repeated seeds": (CONFIG, "seeds", [0, 1, 1], ["seeds = [0, 1, 1]", "repeats 1", "give each once"]),
+    "repeated seeds": (
+        CONFIG,
+        "seeds",
+        [0, 1, 1],
+        ["seeds = [0, 1, 1]", "repeats 1", "give each once"],
+    ),
     "negative seed": (CONFIG, "seeds", [-1], ["seeds[0] = -1", "at least 0"]),
     "text for a number": (SCENE, "body.length", "long", ["body.length = 'long'", "a number"]),
     "probe between nodes": (
@@ -63,7 +104,12 @@ BAD = {
         [0.53, 0.0],
         ["body.probes.probe.at", "the nearest one is [0.525, 0.0]"],
     ),
-    "clamped probe": (SCENE, "body.probes.tip.at", [0.0, 0.0], ["body.probes.tip.at", "clamped left edge"]),
+    "clamped probe": (
+        SCENE,
+        "body.probes.tip.at",
+        [0.0, 0.0],
+        ["body.probes.tip.at", "clamped left edge"],
+    ),
     "load between nodes": (
         SCENE,
         "effects.point_load",
@@ -83,26 +129,119 @@ BAD = {
         ["effects.stop.gap = -0.1", "at least 0"],
     ),
     "sweep backwards": (SCENE, "frc.from", 1.3, ["frc.from = 1.3", "frc.to = 1.2", "swap"]),
-    "unknown setting of a method": (METHOD, "settings.epoch", 3, ["settings.epoch = 3", "did you mean 'epochs'?"]),
-    "type of a setting": (METHOD, "settings.epochs", "many", ["settings.epochs = 'many'", "a whole number"]),
-    "unknown choice": (METHOD, "settings.activation", "relu", ["settings.activation = 'relu'", "did you mean 'elu'?"]),
-    "learning backwards": (METHOD, "settings.learning_rate", -1.0, ["settings.learning_rate = -1.0", "greater than 0"]),
-    "no number": (SCENE, "effects.inertia.density", float("nan"), ["effects.inertia.density = nan", "finite number"]),
+    "unknown setting of a method": (
+        METHOD,
+        "settings.epoch",
+        3,
+        ["settings.epoch = 3", "did you mean 'epochs'?"],
+    ),
+    "type of a setting": (
+        METHOD,
+        "settings.epochs",
+        "many",
+        ["settings.epochs = 'many'", "a whole number"],
+    ),
+    "unknown choice": (
+        METHOD,
+        "settings.activation",
+        "relu",
+        ["settings.activation = 'relu'", "did you mean 'elu'?"],
+    ),
+    "learning backwards": (
+        METHOD,
+        "settings.learning_rate",
+        -1.0,
+        ["settings.learning_rate = -1.0", "greater than 0"],
+    ),
+    "no number": (
+        SCENE,
+        "effects.inertia.density",
+        float("nan"),
+        ["effects.inertia.density = nan", "finite number"],
+    ),
     "infinite": (SCENE, "body.length", float("inf"), ["body.length = inf", "finite number"]),
-    "residual below rounding": (SCENE, "time.residual", 1e-12, ["time.residual = 1e-12", "at least 1e-08"]),
-    "negative damping": (SCENE, "effects.rayleigh_damping.stiffness_factor", -1.0, ["stiffness_factor = -1.0", "at least 0"]),
-    "variant of nothing": (METHOD, "method", "splitt", ["method = 'splitt'", "is no file of src/vibrom/methods", "did you mean 'split'?"]),
-    "variant and rule": ("config/methods/pysindy_modal.yaml", "method", "split", ["method = 'split'", "beside `rule`", "remove one"]),
-    "setting of a variant": ("config/methods/ssmlearn_11.yaml", "settings.order_decode", 3, ["settings.order_decode = 3", "did you mean 'order_decoder'?"]),
-    "study of an unknown scene": (CONFIG, "cost.scenes", ["foldin"], ["cost.scenes[0] = 'foldin'", "did you mean 'folding'?"]),
-    "study of an unknown method": (CONFIG, "cost.reduced", {"splitt": []}, ["cost.reduced.splitt", "is no method", "did you mean 'split'?"]),
-    "study of an unknown setting": (CONFIG, "cost.reduced", {"split": [{"vary": ["epoch"], "over": [3]}]},
-                                    ["cost.reduced.split[0].vary = 'epoch'", "is no setting of split", "did you mean 'epochs'?"]),
-    "study of the start of a method": (CONFIG, "cost.reduced", {"split_plus": [{"vary": ["start.epoch"], "over": [3]}]}, ["is no setting of split", "'epochs'"]),
-    "study with a wrong type": (CONFIG, "cost.reduced", {"split": [{"vary": ["thin"], "over": [0]}]}, ["cost.reduced.split[0].over = 0", "value of thin"]),
-    "study of an outside method": (CONFIG, "cost.reduced", {"pysindy_modal": [{"vary": ["degree"], "over": [5]}]}, ["pysindy_modal", "choose from rtol"]),
-    "odd number of steps": (CONFIG, "cost.full_order.steps_per_period", [75], ["steps_per_period[0] = 75", "a multiple of 50"]),
-    "start outside the run": (CONFIG, "methods", ["split_plus"], ["starts_from = 'split'", "add it to methods"]),
+    "residual below rounding": (
+        SCENE,
+        "time.residual",
+        1e-12,
+        ["time.residual = 1e-12", "at least 1e-08"],
+    ),
+    "negative damping": (
+        SCENE,
+        "effects.rayleigh_damping.stiffness_factor",
+        -1.0,
+        ["stiffness_factor = -1.0", "at least 0"],
+    ),
+    "variant of nothing": (
+        METHOD,
+        "method",
+        "splitt",
+        ["method = 'splitt'", "is no file of src/vibrom/methods", "did you mean 'split'?"],
+    ),
+    "variant and rule": (
+        "config/methods/pysindy_modal.yaml",
+        "method",
+        "split",
+        ["method = 'split'", "beside `rule`", "remove one"],
+    ),
+    "setting of a variant": (
+        "config/methods/ssmlearn_11.yaml",
+        "settings.order_decode",
+        3,
+        ["settings.order_decode = 3", "did you mean 'order_decoder'?"],
+    ),
+    "study of an unknown scene": (
+        CONFIG,
+        "cost.scenes",
+        ["foldin"],
+        ["cost.scenes[0] = 'foldin'", "did you mean 'folding'?"],
+    ),
+    "study of an unknown method": (
+        CONFIG,
+        "cost.reduced",
+        {"splitt": []},
+        ["cost.reduced.splitt", "is no method", "did you mean 'split'?"],
+    ),
+    "study of an unknown setting": (
+        CONFIG,
+        "cost.reduced",
+        {"split": [{"vary": ["epoch"], "over": [3]}]},
+        [
+            "cost.reduced.split[0].vary = 'epoch'",
+            "is no setting of split",
+            "did you mean 'epochs'?",
+        ],
+    ),
+    "study of the start of a method": (
+        CONFIG,
+        "cost.reduced",
+        {"split_plus": [{"vary": ["start.epoch"], "over": [3]}]},
+        ["is no setting of split", "'epochs'"],
+    ),
+    "study with a wrong type": (
+        CONFIG,
+        "cost.reduced",
+        {"split": [{"vary": ["thin"], "over": [0]}]},
+        ["cost.reduced.split[0].over = 0", "value of thin"],
+    ),
+    "study of an outside method": (
+        CONFIG,
+        "cost.reduced",
+        {"pysindy_modal": [{"vary": ["degree"], "over": [5]}]},
+        ["pysindy_modal", "choose from rtol"],
+    ),
+    "odd number of steps": (
+        CONFIG,
+        "cost.full_order.steps_per_period",
+        [75],
+        ["steps_per_period[0] = 75", "a multiple of 50"],
+    ),
+    "start outside the run": (
+        CONFIG,
+        "methods",
+        ["split_plus"],
+        ["starts_from = 'split'", "add it to methods"],
+    ),
     "overlay of an unknown method": (
         CONFIG,
         "method_settings",
@@ -121,8 +260,28 @@ BAD = {
         {"folding": {"time": {"alpha": 2}}},
         ["scene_settings.folding.time.alpha = 2", "at most 1"],
     ),
-    "unknown scene of the hard cases": (CONFIG, "stability.scenes", ["foldin"], ["stability.scenes[0] = 'foldin'", "did you mean 'folding'?"]),
-    "unknown key of a guard": (CONFIG, "stability.guards.bounded", {"extrapolate": "linear"}, ["stability.guards.bounded.extrapolate", "did you mean 'extrapolation'?"]),
-    "unknown guard of a method": (METHOD, "settings.extrapolation", "flat", ["settings.extrapolation = 'flat'", "choose from none, linear"]),
-    "unknown integrator": (CONFIG, "integrator.method", "dop583", ["integrator.method = 'dop583'", "did you mean 'dop853'?"]),
+    "unknown scene of the hard cases": (
+        CONFIG,
+        "stability.scenes",
+        ["foldin"],
+        ["stability.scenes[0] = 'foldin'", "did you mean 'folding'?"],
+    ),
+    "unknown key of a guard": (
+        CONFIG,
+        "stability.guards.bounded",
+        {"extrapolate": "linear"},
+        ["stability.guards.bounded.extrapolate", "did you mean 'extrapolation'?"],
+    ),
+    "unknown guard of a method": (
+        METHOD,
+        "settings.extrapolation",
+        "flat",
+        ["settings.extrapolation = 'flat'", "choose from none, linear"],
+    ),
+    "unknown integrator": (
+        CONFIG,
+        "integrator.method",
+        "dop583",
+        ["integrator.method = 'dop583'", "did you mean 'dop853'?"],
+    ),
 }

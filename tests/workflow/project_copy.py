@@ -26,7 +26,9 @@ def change(file: Path, key: str, value) -> None:
 
 
 def copy(folder: Path, *names: str) -> Path:
-    """The configuration, the rules and the profile of the repository, free to edit, and what else is named."""
+    """The configuration, the rules and the profile of the repository, free to edit, and what else
+    is named.
+    """
     for name in ("config", "workflow", "profiles", *names):
         shutil.copytree(ROOT / name, folder / name)
     shutil.copy(ROOT / "Snakefile", folder)
@@ -36,4 +38,6 @@ def copy(folder: Path, *names: str) -> Path:
 def command(folder: Path, *arguments: str, **environment: str) -> subprocess.CompletedProcess:
     """The command that the README names, in a folder."""
     line = [str(Path(sys.executable).with_name("snakemake")), *arguments]
-    return subprocess.run(line, cwd=folder, capture_output=True, text=True, timeout=900, env=os.environ | environment)
+    return subprocess.run(
+        line, cwd=folder, capture_output=True, text=True, timeout=900, env=os.environ | environment
+    )

@@ -1,9 +1,10 @@
-"""The command as a user sees it: one line for a wrong entry, exit code not zero, finished artefacts as they were."""
+"""The command as a user sees it: one line for a wrong entry, exit code not zero, finished artefacts
+as they were.
+"""
 
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-
 from bad_entries import BAD
 from project_copy import change, command, copy
 
@@ -18,7 +19,8 @@ PROMISED = [
     "zero time step",
     "repeated seeds",
 ]
-# What Snakemake itself says before it reads the Snakefile, and when a file is laid over the configuration.
+# What Snakemake itself says before it reads the Snakefile, and when a file is laid over the
+# configuration.
 CHATTER = ("Using workflow specific profile", "Config file ")
 
 
@@ -43,7 +45,9 @@ def answers(tmp_path_factory):
 def test_command_ends_with_one_line(answers, case):
     answer, finished = answers[case]
     lines = [
-        line for line in (answer.stdout + answer.stderr).splitlines() if line.strip() and not line.startswith(CHATTER)
+        line
+        for line in (answer.stdout + answer.stderr).splitlines()
+        if line.strip() and not line.startswith(CHATTER)
     ]
     assert answer.returncode != 0 and len(lines) == 1 and lines[0].startswith("vibrom: ")
     for words in (BAD[case][0], *BAD[case][3]):
@@ -54,7 +58,11 @@ def test_command_ends_with_one_line(answers, case):
 def test_broken_yaml_in_the_main_file(project):
     (project / "config/config.yaml").write_text("scenes: [small\n")
     answer = command(project, "-n")
-    lines = [line for line in (answer.stdout + answer.stderr).splitlines() if not line.startswith(CHATTER)]
+    lines = [
+        line
+        for line in (answer.stdout + answer.stderr).splitlines()
+        if not line.startswith(CHATTER)
+    ]
     assert answer.returncode != 0 and lines == [
         "vibrom: config/config.yaml: line 2 is not YAML (did not find expected ',' or ']'); correct it"
     ]

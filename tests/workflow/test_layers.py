@@ -13,8 +13,10 @@ def test_import_contracts(root):
 
 def test_planning_loads_no_numerical_package():
     code = (
-        "import sys; from vibrom import settings, provenance, plugs, config_files; from vibrom.report import names; "
+        "import sys; from vibrom.artefacts import provenance; from vibrom.config import settings, plugs, files; from vibrom.report import names; "
         "print(*{'numpy', 'scipy', 'torch', 'xarray', 'skfem', 'numba', 'mlflow', 'pandas'} & set(sys.modules))"
     )
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
     assert loaded.stdout.split() == []

@@ -7,9 +7,18 @@ import sys
 
 import pytest
 
-from vibrom import plugs, provenance
+from vibrom.artefacts import provenance
+from vibrom.config import plugs
 
-CACHED = [plugs.tree, provenance._store, provenance._read, provenance.imports, provenance.modules_behind, provenance.data_digest, provenance.attributes]
+CACHED = [
+    plugs.tree,
+    provenance._store,
+    provenance._read,
+    provenance.imports,
+    provenance.modules_behind,
+    provenance.data_digest,
+    provenance.attributes,
+]
 
 
 @pytest.fixture
@@ -40,7 +49,8 @@ def digests() -> dict[str, str]:
         for name in plugs.names("experiments")
     }
     return found | {
-        name: provenance.digest(f"vibrom.steps.{name}") for name in ("structure", "scores", "tables", "tracking")
+        name: provenance.digest(f"vibrom.steps.{name}")
+        for name in ("structure", "scores", "tables", "tracking")
     }
 
 
@@ -58,7 +68,11 @@ def rewrite(path, old, new):
 def test_comments_docstrings_and_layout_change_nothing(package):
     before = digests()
     path = package / "methods/ssmlearn.py"
-    path.write_text("# A comment.\n\n" + path.read_text().replace('"""', '"""Another word. ', 1) + "\n\n# The end.\n")
+    path.write_text(
+        "# A comment.\n\n"
+        + path.read_text().replace('"""', '"""Another word. ', 1)
+        + "\n\n# The end.\n"
+    )
     assert changed(before) == set()
 
 
@@ -76,7 +90,7 @@ def test_editing_an_experiment_touches_only_it(package):
 
 def test_editing_what_all_share_touches_all(package):
     before = digests()
-    (package / "data.py").open("a").write("\nEXTRA = 1\n")
+    (package / "artefacts/data.py").open("a").write("\nEXTRA = 1\n")
     assert changed(before) == set(before)
 
 
@@ -88,45 +102,63 @@ def test_editing_the_sink_retrains_nothing(package):
 
 def test_relative_and_lazy_imports_count(package):
     (package / "methods/ssmlearn.py").open("a").write(
-        "\n\ndef later():\n    from ..solvers import banded\n    return banded\n"
+        "\n\ndef later():\n    from ..kernels import banded\n    return banded\n"
     )
     forget()
     behind = provenance.modules_behind("vibrom.methods.ssmlearn")
-    assert {"vibrom", "vibrom.methods", "vibrom.solvers", "vibrom.solvers.banded", "vibrom.rom"} <= behind
+    assert {
+        "vibrom",
+        "vibrom.methods",
+        "vibrom.kernels",
+        "vibrom.kernels.banded",
+        "vibrom.models.rom",
+    } <= behind
 
 
 def test_versions_are_those_of_the_packages_behind():
     structure = json.loads(provenance.attributes("vibrom.steps.structure")["versions"])
-    assert {"python", "numpy", "scipy", "scikit-fem"} <= set(structure) and not {"torch", "mlflow", "xarray"} & set(
-        structure
-    )
+    assert {"python", "numpy", "scipy", "scikit-fem"} <= set(structure) and not {
+        "torch",
+        "mlflow",
+        "xarray",
+    } & set(structure)
     assert "torch" in json.loads(provenance.attributes("vibrom.methods.split")["versions"])
-    stored = json.loads(provenance.completed(provenance.attributes("vibrom.steps.structure"))["versions"])
+    stored = json.loads(
+        provenance.completed(provenance.attributes("vibrom.steps.structure"))["versions"]
+    )
     assert {"vibrom", "xarray", "netCDF4"} <= set(stored)
 
 
 def test_published_numbers_remake_tables_and_no_model(package):
     before = digests()
-    rewrite(package / "report/published/decay.csv", "0.99619", "0.99618")
-    # The scores share the collection of artefacts with the tables.
-    assert changed(before) == {"scores", "tables"}
+    rewrite(package / "thesis/tables/decay.csv", "0.99619", "0.99618")
+    assert changed(before) == {"tables"}
 
 
 def test_what_editors_and_compilers_leave_changes_nothing(package):
     before = digests()
     (package / "latent/__pycache__").mkdir(exist_ok=True)
-    for name in ("methods/.split.py.swp", "methods/split.py~", "latent/__pycache__/kernel.nbc.tmp.1f2e", "solvers/.DS_Store"):
+    for name in (
+        "methods/.split.py.swp",
+        "methods/split.py~",
+        "latent/__pycache__/kernel.nbc.tmp.1f2e",
+        "solvers/.DS_Store",
+    ):
         (package / name).write_bytes(b"passing")
     assert changed(before) == set()
 
 
 def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monkeypatch):
-    """Three processes: one that parses, one that finds what the first read, one after an edit that keeps the file's length."""
-    code = "from vibrom import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    """Three processes: one that parses, one that finds what the first read, one after an edit that
+    keeps the file's length.
+    """
+    code = "from vibrom.artefacts import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
     monkeypatch.setenv("PYTHONPATH", str(package.parent))
 
     def process() -> list[str]:
-        return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+        return subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.split()
 
     (first, parsed), (second, again) = process(), process()
     assert int(parsed) > 5 and int(again) == 0 and first == second

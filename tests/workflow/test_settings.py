@@ -1,19 +1,23 @@
-"""Each wrong entry of the configuration is one line that names the file, the key, the value and the cure."""
+"""Each wrong entry of the configuration is one line that names the file, the key, the value and the
+cure.
+"""
 
 import pytest
 import yaml
-
 from bad_entries import BAD, SCENE
 from project_copy import change
-from vibrom import settings
-from vibrom.config_files import SettingsError, merge, numbers
+
+from vibrom.config import settings
+from vibrom.config.files import SettingsError, merge, numbers
 
 
 def load(project, *overlays):
     config = yaml.safe_load((project / "config/config.yaml").read_text())
     for overlay in overlays:
         config = merge(config, yaml.safe_load(overlay.read_text()))
-    return settings.load(config, folder=project / "config", schemas=project / "workflow/schemas", files=overlays)
+    return settings.load(
+        config, folder=project / "config", schemas=project / "workflow/schemas", files=overlays
+    )
 
 
 def complaint(project, *overlays) -> str:
@@ -42,7 +46,11 @@ def test_an_overlay_is_named_as_the_file_of_its_entry(project, tmp_path):
 
 @pytest.mark.parametrize(
     "text, says",
-    [("a: 1\na: 2\n", "line 2 is not YAML ('a' is given twice"), ("a: [1\n", "is not YAML"), ("- 1\n", "holds no")],
+    [
+        ("a: 1\na: 2\n", "line 2 is not YAML ('a' is given twice"),
+        ("a: [1\n", "is not YAML"),
+        ("- 1\n", "holds no"),
+    ],
 )
 def test_text_that_is_no_configuration(project, text, says):
     (project / SCENE).write_text(text)
@@ -56,16 +64,30 @@ def test_the_repository_is_valid_with_every_overlay(root):
     literal = load(root, root / "config/thesis_literal.yaml")
     assert literal.methods["split"]["settings"]["epochs"] == 15000
     assert literal.scenes["small"]["time"]["every"] == 1
-    assert load(root, root / "config/cost_full.yaml").cost["scenes"] == ["small", "large", "folding"]
+    assert load(root, root / "config/cost_full.yaml").cost["scenes"] == [
+        "small",
+        "large",
+        "folding",
+    ]
     load(root, root / "tests/workflow/small_dag.yaml")
     whole = load(root, root / "config/stability_full.yaml")
-    assert plain.stability["scenes"] == ["folding"] and whole.stability["scenes"] == ["small", "large", "folding"] and whole.stability["periods"] == 1000
+    assert (
+        plain.stability["scenes"] == ["folding"]
+        and whole.stability["scenes"] == ["small", "large", "folding"]
+        and whole.stability["periods"] == 1000
+    )
 
 
 def test_every_scene_file_is_valid(project):
     names = sorted(path.stem for path in (project / "config/scenes").glob("*.yaml"))
     change(project / "config/config.yaml", "scenes", names)
-    assert {"small", "cantilever_unlocked", "clamped_clamped", "shallow_arch", "tip_mass_stop"} <= set(load(project).scenes)
+    assert {
+        "small",
+        "cantilever_unlocked",
+        "clamped_clamped",
+        "shallow_arch",
+        "tip_mass_stop",
+    } <= set(load(project).scenes)
 
 
 def test_numbers_without_a_dot_or_sign_are_numbers():
@@ -80,6 +102,10 @@ def test_seed_folders_and_starts(root):
     assert plain.seed_folders("split") == ["seed_0", "seed_1", "seed_2"]
     assert plain.seed_folders("ssmlearn") == ["unseeded"]
     assert plain.seed_folders("ssmlearn_11") == ["unseeded"]
-    assert [plain.kind_of(name) for name in ("ssmlearn", "ssmlearn_11", "pysindy_modal")] == ["ssmlearn", "ssmlearn", "pysindy_modal"]
+    assert [plain.kind_of(name) for name in ("ssmlearn", "ssmlearn_11", "pysindy_modal")] == [
+        "ssmlearn",
+        "ssmlearn",
+        "pysindy_modal",
+    ]
     assert plain.start_of("split_plus", "seed_1") == ("split", "seed_1")
     assert plain.start_of("split", "seed_1") is None

@@ -1,13 +1,15 @@
-"""The whole workflow in miniature: all is made, nothing is made twice, and an edit makes its own jobs run again."""
+"""The whole workflow in miniature: all is made, nothing is made twice, and an edit makes its own
+jobs run again.
+"""
 
 import json
 import re
 
 import numpy as np
 import pytest
-
 from project_copy import ROOT, command, copy
-from vibrom.data import KINDS, open_dataset
+
+from vibrom.artefacts.data import KINDS, open_dataset
 from vibrom.report import names
 
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
@@ -27,14 +29,23 @@ class Run:
 
     def snakemake(self, *arguments, overlays=()):
         overlay = ROOT / "tests/workflow/small_dag.yaml"
-        return command(self.folder, *arguments, "--configfile", str(overlay), *overlays, PYTHONPATH=str(self.folder / "src"))
+        return command(
+            self.folder,
+            *arguments,
+            "--configfile",
+            str(overlay),
+            *overlays,
+            PYTHONPATH=str(self.folder / "src"),
+        )
 
     def planned(self, *arguments: str, overlays=()) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
         plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules", overlays=overlays)
         assert plan.returncode == 0, plan.stdout + plan.stderr
         table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
-        return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)}
+        return {
+            name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)
+        }
 
     def contents(self) -> dict:
         return {path: path.read_bytes() for path in self.results.rglob("*.nc")}
@@ -50,12 +61,16 @@ def run(tmp_path_factory):
 
 
 def test_every_artefact_is_there_and_says_what_made_it(run):
-    folders = [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]
+    folders = [f"{method}/seed_0" for method in SEEDED] + [
+        f"{method}/unseeded" for method in FITTED_ONCE
+    ]
     for folder in folders:
         for name in ("rom", "losses", *EXPERIMENTS, "stability"):
             data = open_dataset(run.results / "folding" / folder / f"{name}.nc", name)
             assert data.attrs["scene"] == "folding" and data.attrs["method"] == folder.split("/")[0]
-            assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(data.attrs["versions"])
+            assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(
+                data.attrs["versions"]
+            )
     for path in (run.results / "folding/full_order").glob("*.nc"):
         kind = {"train": "trajectory", "test": "trajectory"}.get(path.stem, path.stem)
         assert kind in KINDS
@@ -64,7 +79,11 @@ def test_every_artefact_is_there_and_says_what_made_it(run):
 
 def test_every_table_figure_and_page_is_there(run):
     wanted = [f"tables/{name}.{form}" for name in names.tables() for form in names.TABLE_FORMATS]
-    wanted += [f"figures/{name}.{form}" for name in names.figures(["folding"]) for form in names.FIGURE_FORMATS]
+    wanted += [
+        f"figures/{name}.{form}"
+        for name in names.figures(["folding"])
+        for form in names.FIGURE_FORMATS
+    ]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (run.results / name).stat().st_size > 0, name
 
@@ -77,20 +96,40 @@ def test_the_study_of_costs_agrees_with_the_experiments(run):
         (index,) = np.flatnonzero((model == method) & (varied == what) & (value == to))
         return study.isel(setting=index)
 
-    scores = {"decay": "nmte_percent", "forced": "nmte_percent", "frc": "amplitude_error_median_percent"}
-    for folder in [f"{method}/seed_0" for method in SEEDED] + [f"{method}/unseeded" for method in FITTED_ONCE]:
+    scores = {
+        "decay": "nmte_percent",
+        "forced": "nmte_percent",
+        "frc": "amplitude_error_median_percent",
+    }
+    for folder in [f"{method}/seed_0" for method in SEEDED] + [
+        f"{method}/unseeded" for method in FITTED_ONCE
+    ]:
         row = at(folder.split("/")[0])
         for question, score in scores.items():
             answer = open_dataset(run.results / "folding" / folder / f"{question}.nc", question)
-            np.testing.assert_array_equal(row["error"].sel(question=question), answer["score_value"].sel(score=score))
+            np.testing.assert_array_equal(
+                row["error"].sel(question=question), answer["score_value"].sel(score=score)
+            )
     # A fit with the settings that it has anyway is the same model.
-    np.testing.assert_array_equal(at("ssmlearn", "order_decoder, order_dynamics", "3")["error"], at("ssmlearn")["error"])
+    np.testing.assert_array_equal(
+        at("ssmlearn", "order_decoder, order_dynamics", "3")["error"], at("ssmlearn")["error"]
+    )
     train = open_dataset(run.results / "folding/full_order/train.nc", "trajectory")
     share = 2 * float(train["period"]) / float(train["time"][-1] - train["time"][0])
-    assert float(at("ssmlearn_11", "periods", "2")["data_seconds"]) == pytest.approx(share * float(train["seconds"]))
+    assert float(at("ssmlearn_11", "periods", "2")["data_seconds"]) == pytest.approx(
+        share * float(train["seconds"])
+    )
     # A tolerance needs no new fit; a start that is trained anew does.
-    usual, loose, short = at("split_plus"), at("split_plus", "rtol", "0.001"), at("split_plus", "start.epochs", "1")
-    assert float(loose["mapping_seconds"]) == float(usual["mapping_seconds"]) != float(short["mapping_seconds"])
+    usual, loose, short = (
+        at("split_plus"),
+        at("split_plus", "rtol", "0.001"),
+        at("split_plus", "start.epochs", "1"),
+    )
+    assert (
+        float(loose["mapping_seconds"])
+        == float(usual["mapping_seconds"])
+        != float(short["mapping_seconds"])
+    )
     assert not np.array_equal(short["error"], usual["error"])
 
 
@@ -111,15 +150,36 @@ def test_list_shows_one_rule_a_method(run):
 
 def test_effects_are_asked_without_any_reduced_model(run):
     answer = run.snakemake("effects", "--dry-run", "--forceall", "--quiet", "rules")
-    jobs = set(re.findall(r"^(\w+) +\d+$", (answer.stdout + answer.stderr).partition("Job stats:")[2], re.MULTILINE)) - {"total"}
-    assert jobs == {"structure", "release", "full_order_effects", "effects_tables", "effects_figures", "effects"}
+    jobs = set(
+        re.findall(
+            r"^(\w+) +\d+$",
+            (answer.stdout + answer.stderr).partition("Job stats:")[2],
+            re.MULTILINE,
+        )
+    ) - {"total"}
+    assert jobs == {
+        "structure",
+        "release",
+        "full_order_effects",
+        "effects_tables",
+        "effects_figures",
+        "effects",
+    }
 
 
 def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
     path = run.folder / "small_effects.yaml"
     path.write_text("effects: {decay_periods: 3}\n")
     jobs = run.planned(overlays=(str(path),))
-    assert set(jobs) == {"full_order_effects", "effects_tables", "effects_figures", "report", "tracking", "headline", "all"}
+    assert set(jobs) == {
+        "full_order_effects",
+        "effects_tables",
+        "effects_figures",
+        "report",
+        "tracking",
+        "headline",
+        "all",
+    }
 
 
 def test_editing_a_method_runs_only_its_jobs_again(run):
@@ -131,7 +191,10 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     jobs = run.planned()
     path.write_text(before)
     # Its variant is fitted by the same code.
-    fits, asked = {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1}, dict.fromkeys((*EXPERIMENTS, "model_stability"), 2)
+    fits, asked = (
+        {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1},
+        dict.fromkeys((*EXPERIMENTS, "model_stability"), 2),
+    )
     assert jobs == {**fits, **asked, **dict.fromkeys(SINKS | COST | HARD - {"model_stability"}, 1)}
     assert run.planned() == {}
 
@@ -166,7 +229,13 @@ def test_the_study_of_costs_is_a_target_of_its_own(run):
     path.write_text(before.replace("patience: 1.0", "patience: 1.5"))
     jobs = run.planned("cost")
     path.write_text(before)
-    assert jobs == {"cost_full_order": 1, "cost_reduced": 1, "cost_tables": 1, "cost_figures": 1, "cost": 1}
+    assert jobs == {
+        "cost_full_order": 1,
+        "cost_reduced": 1,
+        "cost_tables": 1,
+        "cost_figures": 1,
+        "cost": 1,
+    }
 
 
 def test_tables_and_figures_are_targets_of_all_families(run):
@@ -186,7 +255,10 @@ def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):
 # Last, as the model that it asks for is not made again.
 @pytest.mark.parametrize(
     "damage, says",
-    [(lambda whole: whole[:1000], "not a readable netCDF file"), (lambda whole: b"foreign", "not a readable")],
+    [
+        (lambda whole: whole[:1000], "not a readable netCDF file"),
+        (lambda whole: b"foreign", "not a readable"),
+    ],
 )
 def test_a_damaged_artefact_is_one_line_and_leaves_the_others(run, damage, says):
     path = run.results / "folding/full_order/train.nc"

@@ -7,7 +7,7 @@ import types
 
 import pytest
 
-from vibrom.data import DataError
+from vibrom.artefacts.data import DataError
 
 
 class Named(dict):
@@ -35,7 +35,8 @@ def run(root, tmp_path, monkeypatch):
         module.run = function
         monkeypatch.setitem(sys.modules, "vibrom.steps.probe", module)
         runpy.run_path(
-            str(root / "workflow/scripts/step.py"), init_globals={"snakemake": job(tmp_path, "probe", **params)}
+            str(root / "workflow/scripts/step.py"),
+            init_globals={"snakemake": job(tmp_path, "probe", **params)},
         )
 
     return start
@@ -43,9 +44,18 @@ def run(root, tmp_path, monkeypatch):
 
 def test_names_become_keyword_arguments(run):
     seen = {}
-    run(lambda **given: seen.update(given), seed=None, provenance={"source_digest": "x", "versions": "{}"})
+    run(
+        lambda **given: seen.update(given),
+        seed=None,
+        provenance={"source_digest": "x", "versions": "{}"},
+    )
     provenance = seen.pop("provenance")
-    assert seen == {"source": "in.nc", "sources": ["a.nc", "b.nc"], "target": "out.nc", "seed": None}
+    assert seen == {
+        "source": "in.nc",
+        "sources": ["a.nc", "b.nc"],
+        "target": "out.nc",
+        "seed": None,
+    }
     assert provenance["source_digest"] == "x" and '"xarray"' in provenance["versions"]
 
 
@@ -93,7 +103,7 @@ def test_a_bug_keeps_its_traceback(run, capfd):
 def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
     import os
 
-    from vibrom import data
+    from vibrom.artefacts import data
 
     path = tmp_path / "losses.nc"
     losses = data.label(
@@ -115,5 +125,10 @@ def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeyp
     with pytest.raises(SystemExit):
         run(lambda **given: data.save_dataset(losses, path))
     printed = capfd.readouterr().err.strip()
-    assert str(path) in printed and "No space left" in printed and "free space" in printed and "\n" not in printed
+    assert (
+        str(path) in printed
+        and "No space left" in printed
+        and "free space" in printed
+        and "\n" not in printed
+    )
     assert path.read_bytes() == finished and list(tmp_path.glob(".*")) == []

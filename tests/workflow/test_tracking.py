@@ -22,7 +22,11 @@ def store(tmp_path_factory):
         runs = [
             TrackedRun(
                 "folding split seed_0",
-                {"scene": "folding", "hidden": [64, 32], **{f"p{index}": index for index in range(150)}},
+                {
+                    "scene": "folding",
+                    "hidden": [64, 32],
+                    **{f"p{index}": index for index in range(150)},
+                },
                 {"decay/nmte_percent": value, "forced/nmte_percent": math.nan},
                 {"losses/train_total": curve, "losses/test_total": broken},
                 {"outcome.forced": "diverged", "artefacts": "results/folding/split/seed_0"},
@@ -45,17 +49,23 @@ def test_recording_again_replaces(store):
         ("folding split seed_0", "FINISHED", "active"),
         ("summary", "FINISHED", "active"),
     ]
-    assert rows(store, "select value from latest_metrics where key = 'decay/nmte_percent'") == [(2.5,)]
+    assert rows(store, "select value from latest_metrics where key = 'decay/nmte_percent'") == [
+        (2.5,)
+    ]
 
 
 def test_values_that_are_not_finite_are_left_out(store):
     assert rows(store, "select count(*) from metrics where key = 'forced/nmte_percent'") == [(0,)]
-    assert rows(store, "select step, value from metrics where key = 'losses/test_total'") == [(1, 1.0)]
+    assert rows(store, "select step, value from metrics where key = 'losses/test_total'") == [
+        (1, 1.0)
+    ]
     assert rows(store, "select value from tags where key = 'outcome.forced'") == [("diverged",)]
 
 
 def test_curves_params_and_files_arrive(store):
-    points = rows(store, "select step, value from metrics where key = 'losses/train_total' order by step")
+    points = rows(
+        store, "select step, value from metrics where key = 'losses/train_total' order by step"
+    )
     assert 100 < len(points) <= tracking.POINTS and points[-1] == (1000, 0.0)
     assert rows(store, "select count(*) from params") == [(152,)]
     assert len(list((store / "artifacts").rglob("tables/decay.csv"))) == 1

@@ -2,12 +2,20 @@
 # What is studied is said by `cost` in the configuration.
 COST = SETTINGS.cost
 COST_SCENES = [scene for scene in COST["scenes"] if scene in SCENES]
-COST_ARTEFACTS = [f"<results>/{scene}/{settings.FULL_ORDER}/cost_{what}.nc" for scene in COST_SCENES for what in ("full_order", "reduced")]
+COST_ARTEFACTS = [
+    f"<results>/{scene}/{settings.FULL_ORDER}/cost_{what}.nc"
+    for scene in COST_SCENES
+    for what in ("full_order", "reduced")
+]
 
 
 def models_of(wildcards):
     """Every fitted model of the scene."""
-    return [f"<results>/{wildcards.scene}/{method}/{seed}/rom.nc" for method in METHODS for seed in SETTINGS.seed_folders(method)]
+    return [
+        f"<results>/{wildcards.scene}/{method}/{seed}/rom.nc"
+        for method in METHODS
+        for seed in SETTINGS.seed_folders(method)
+    ]
 
 
 def studied_methods():
@@ -26,8 +34,21 @@ def studied_methods():
 
 def model_code():
     """The modules behind every model of the run."""
-    outside = [block["rom_class"].split(":")[0].removeprefix("vibrom.") for block in METHODS.values() if "rule" in block]
-    return sorted({*outside, *(f"methods.{SETTINGS.kind_of(method)}" for method, block in METHODS.items() if "rule" not in block)})
+    outside = [
+        block["rom_class"].split(":")[0].removeprefix("vibrom.")
+        for block in METHODS.values()
+        if "rule" in block
+    ]
+    return sorted(
+        {
+            *outside,
+            *(
+                f"methods.{SETTINGS.kind_of(method)}"
+                for method, block in METHODS.items()
+                if "rule" not in block
+            ),
+        }
+    )
 
 
 rule cost_full_order:
@@ -40,14 +61,14 @@ rule cost_full_order:
         "<logs>/{scene}/full_order/cost_full_order.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/cost_full_order.tsv"
+    priority: 55
+    threads: 1
     params:
         scene=scene_part("decay", "forced", "time"),
         settings=COST["full_order"],
         repeats=COST["repeats"],
         patience=COST["patience"],
         provenance=full_order_code("cost_full_order"),
-    threads: 1
-    priority: 55
     message:
         "{wildcards.scene}: what the accuracy of the full-order model costs"
     script:
@@ -67,6 +88,8 @@ rule cost_reduced:
         "<logs>/{scene}/full_order/cost_reduced.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/cost_reduced.tsv"
+    priority: 45
+    threads: 1
     params:
         scene_name="{scene}",
         methods=studied_methods(),
@@ -76,9 +99,11 @@ rule cost_reduced:
         integrator=SETTINGS.integrator,
         repeats=COST["repeats"],
         patience=COST["patience"],
-        provenance=code("cost_reduced", *(f"experiments.{name}" for name in ("decay", "forced", "frc")), *model_code()),
-    threads: 1
-    priority: 45
+        provenance=code(
+            "cost_reduced",
+            *(f"experiments.{name}" for name in ("decay", "forced", "frc")),
+            *model_code(),
+        ),
     message:
         "{wildcards.scene}: what the accuracy of the reduced models costs"
     script:

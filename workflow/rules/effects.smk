@@ -11,12 +11,12 @@ rule full_order_effects:
         "<logs>/{scene}/full_order/effects.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/effects.tsv"
+    priority: 40
+    threads: 1
     params:
         scene=scene_part("forced", "time"),
         lengths=SETTINGS.effects,
         provenance=full_order_code("full_order_effects"),
-    threads: 1
-    priority: 40
     message:
         "{wildcards.scene}: full order, each effect left out in turn"
     script:

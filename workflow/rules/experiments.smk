@@ -18,7 +18,9 @@ def artefacts(experiment, needs, model):
             inputs[need] = f"<results>/{{scene}}/{settings.FULL_ORDER}/{need}.nc"
         else:
             known = ", ".join((*FULL_ORDER_NAMES, "rom", "losses", *EXPERIMENTS))
-            sys.exit(f"vibrom: experiments/{experiment}.py: needs {need!r}, which no rule makes; choose from {known}")
+            sys.exit(
+                f"vibrom: experiments/{experiment}.py: needs {need!r}, which no rule makes; choose from {known}"
+            )
     return inputs
 
 
@@ -26,12 +28,18 @@ def model_modules(wildcards):
     """The modules of the model that is asked; none for the full order."""
     method = getattr(wildcards, "method", None)
     outside = METHODS[method].get("rom_class") if method else None
-    return [outside.split(":")[0].removeprefix("vibrom.")] if outside else [f"methods.{SETTINGS.kind_of(method)}"] if method else []
+    return (
+        [outside.split(":")[0].removeprefix("vibrom.")]
+        if outside
+        else [f"methods.{SETTINGS.kind_of(method)}"] if method else []
+    )
 
 
 def experiment_code(experiment):
     """The code of the experiment and of the model that it asks."""
-    return lambda wildcards: code("experiment", f"experiments.{experiment}", *model_modules(wildcards))
+    return lambda wildcards: code(
+        "experiment", f"experiments.{experiment}", *model_modules(wildcards)
+    )
 
 
 for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():

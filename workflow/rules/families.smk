@@ -2,10 +2,18 @@
 #
 #   snakemake --cores 2 tables          all of them (or: figures)
 #   snakemake --cores 2 cost            one family (or: effects, stability)
-OF_FULL_ORDER = [f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in COST_SCENES for name in FULL_ORDER_NAMES]
-OF_METHODS = [f"<results>/{'/'.join(model)}/rom.nc" for model in MODELS if model[0] in COST_SCENES]  # which gives them their looks
+OF_FULL_ORDER = [
+    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
+    for scene in COST_SCENES
+    for name in FULL_ORDER_NAMES
+]
+OF_METHODS = [
+    f"<results>/{'/'.join(model)}/rom.nc" for model in MODELS if model[0] in COST_SCENES
+]  # which gives them their looks
 FILES = {
-    "models": list(dict.fromkeys(ARTEFACTS + HARD_FILES)),  # what guards promise is among the checks
+    "models": list(
+        dict.fromkeys(ARTEFACTS + HARD_FILES)
+    ),  # what guards promise is among the checks
     "cost": COST_ARTEFACTS + OF_FULL_ORDER + OF_METHODS,
     "effects": EFFECTS_FILES,
     "stability": HARD_FILES,
@@ -56,14 +64,17 @@ for FAMILY in FILES:
 for TARGET, PATHS in {
     "tables": table_files(),
     "figures": figure_files(),
-    **{FAMILY: table_files(FAMILY) + figure_files(FAMILY) for FAMILY in ("cost", "effects", "stability")},
+    **{
+        FAMILY: table_files(FAMILY) + figure_files(FAMILY)
+        for FAMILY in ("cost", "effects", "stability")
+    },
 }.items():
 
     rule:
         name:
             TARGET
-        localrule: True
         input:
             PATHS,
+        localrule: True
         message:
             f"{TARGET}: everything is there"

@@ -4,11 +4,15 @@
 
 def scene_part(*keys):
     """The blocks of the scene that a rule reads; a change in another block does not run it again."""
-    return lambda wildcards: {key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)}
+    return lambda wildcards: {
+        key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)
+    }
 
 
 def full_order_code(step):
-    return lambda wildcards: code(step, *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]))
+    return lambda wildcards: code(
+        step, *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"])
+    )
 
 
 rule structure:
@@ -18,11 +22,11 @@ rule structure:
         "<logs>/{scene}/full_order/structure.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/structure.tsv"
+    priority: 100
     params:
         scene=scene_part(),
         name="{scene}",
         provenance=full_order_code("structure"),
-    priority: 100
     message:
         "{wildcards.scene}: structure"
     script:
@@ -38,10 +42,10 @@ rule release:
         "<logs>/{scene}/full_order/release.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/release.tsv"
+    priority: 80
     params:
         scene=scene_part("releases", "time"),
         provenance=full_order_code("release"),
-    priority: 80
     message:
         "{wildcards.scene}: release states"
     script:
@@ -58,11 +62,11 @@ rule full_order_decay:
         "<logs>/{scene}/full_order/{role}.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/{role}.tsv"
+    priority: 70
     params:
         scene=scene_part("decay", "time"),
         role="{role}",
         provenance=full_order_code("full_order_decay"),
-    priority: 70
     message:
         "{wildcards.scene}: full-order decay ({wildcards.role})"
     script:
@@ -78,10 +82,10 @@ rule full_order_forced:
         "<logs>/{scene}/full_order/forced.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/forced.tsv"
+    priority: 60
     params:
         scene=scene_part("forced", "time"),
         provenance=full_order_code("full_order_forced"),
-    priority: 60
     message:
         "{wildcards.scene}: full-order forced run"
     script:
@@ -97,11 +101,11 @@ rule full_order_frc:
         "<logs>/{scene}/full_order/frc.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/frc.tsv"
+    priority: 90
+    threads: 1
     params:
         scene=scene_part("frc", "time"),
         provenance=full_order_code("full_order_frc"),
-    threads: 1
-    priority: 90
     message:
         "{wildcards.scene}: full-order response curve"
     script:

@@ -8,7 +8,11 @@ def start_input(method):
 
     def inputs(wildcards):
         start = SETTINGS.start_of(method, wildcards.seed)
-        return {} if start is None else {"start": f"<results>/{wildcards.scene}/{start[0]}/{start[1]}/rom.nc"}
+        return (
+            {}
+            if start is None
+            else {"start": f"<results>/{wildcards.scene}/{start[0]}/{start[1]}/rom.nc"}
+        )
 
     return inputs
 
@@ -17,7 +21,11 @@ def checkpoint(method):
     """Where an interrupted training goes on from; another scene, setting or code begins anew, in its own file."""
 
     def path(wildcards, output):
-        recipe = (SCENES[wildcards.scene], METHODS[method], code("fit", f"methods.{SETTINGS.kind_of(method)}"))
+        recipe = (
+            SCENES[wildcards.scene],
+            METHODS[method],
+            code("fit", f"methods.{SETTINGS.kind_of(method)}"),
+        )
         key = hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]
         return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
 
@@ -46,6 +54,10 @@ for METHOD, BLOCK in METHODS.items():
             f"<logs>/{{scene}}/{METHOD}/{{seed}}/fit.log",
         benchmark:
             f"<benchmarks>/{{scene}}/{METHOD}/{{seed}}/fit.tsv"
+        priority: 50
+        threads: BLOCK.get("resources", {}).get("threads", 1)
+        resources:
+            **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
         params:
             step="fit",
             scene_name="{scene}",
@@ -56,10 +68,6 @@ for METHOD, BLOCK in METHODS.items():
             device=SETTINGS.device,
             checkpoint=checkpoint(METHOD),
             provenance=code("fit", f"methods.{SETTINGS.kind_of(METHOD)}"),
-        threads: BLOCK.get("resources", {}).get("threads", 1)
-        resources:
-            **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
-        priority: 50
         message:
             f"{{wildcards.scene}}: {METHOD} {{wildcards.seed}}: fit"
         script:

@@ -4,22 +4,37 @@ from vibrom.report import names as shown_names
 CAPTIONS = ROOT / "workflow/report"
 
 # Every model of the run as (scene, method, seed folder).
-MODELS = [(scene, method, seed) for scene in SCENES for method in METHODS for seed in SETTINGS.seed_folders(method)]
-PREDICTIONS = [f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in SETTINGS.experiments] + [
+MODELS = [
+    (scene, method, seed)
+    for scene in SCENES
+    for method in METHODS
+    for seed in SETTINGS.seed_folders(method)
+]
+PREDICTIONS = [
+    f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in SETTINGS.experiments
+] + [
     f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
     for scene in SCENES
     for name in SETTINGS.experiments
     if EXPERIMENTS[name].get("full_order") is not None
 ]
-FITTED = [f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in ("rom", "losses")]
+FITTED = [
+    f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in ("rom", "losses")
+]
 FULL_ORDER_FILES = [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in SCENES for name in FULL_ORDER_NAMES
+    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
+    for scene in SCENES
+    for name in FULL_ORDER_NAMES
 ]
 ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
 HARD = SETTINGS.stability["scenes"]
-HARD_FILES = [f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD] + [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in HARD for name in ("stability", "frc")
+HARD_FILES = [
+    f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD
+] + [
+    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
+    for scene in HARD
+    for name in ("stability", "frc")
 ]
 
 # Which scenes each family of tables and figures is about; a family without scenes has none.
@@ -32,7 +47,12 @@ def asked(families):
 
 def table_files(*families):
     """The tables of these families, in all their formats; of all, where none is named."""
-    return [f"<results>/tables/{name}.{form}" for family in asked(families) for name in shown_names.tables(family) for form in shown_names.TABLE_FORMATS]
+    return [
+        f"<results>/tables/{name}.{form}"
+        for family in asked(families)
+        for name in shown_names.tables(family)
+        for form in shown_names.TABLE_FORMATS
+    ]
 
 
 def figure_files(*families):
@@ -53,7 +73,10 @@ def in_report(paths):
             return path
         caption = name if kind == "tables" else shown_names.split(name)[0]
         return report(
-            path, caption=f"../report/{kind}/{caption}.rst", category=kind.capitalize(), labels={kind[:-1]: name.replace("_", " ")}
+            path,
+            caption=f"../report/{kind}/{caption}.rst",
+            category=kind.capitalize(),
+            labels={kind[:-1]: name.replace("_", " ")},
         )
 
     return [flagged(path) for path in paths]

@@ -1,11 +1,17 @@
 # The grid of hard cases: one job a fitted model and one for the full order of each scene.
 
-STABILITY = {key: value for key, value in SETTINGS.stability.items() if key not in ("scenes", "full_order")}
+STABILITY = {
+    key: value for key, value in SETTINGS.stability.items() if key not in ("scenes", "full_order")
+}
 
 
 def model_stability_code(wildcards):
     """The code of the grid, of the scene's effects, whose energy is asked for, and of the model."""
-    return code("stability", *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]), *model_modules(wildcards))
+    return code(
+        "stability",
+        *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]),
+        *model_modules(wildcards),
+    )
 
 
 rule model_stability:

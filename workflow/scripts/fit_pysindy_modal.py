@@ -1,10 +1,11 @@
-"""SINDy on modal coordinates by pysindy, as an outside method: xarray in, xarray out, nothing of vibrom imported.
+"""SINDy on modal coordinates by pysindy, as an outside method: xarray in, xarray out, nothing of
+vibrom imported.
 
     z = phi' M q,  y = (z, z') / s,  dy/dtau = Xi Theta(y),  tau = omega_1 t,    q = phi z
 
-Theta holds the monomials of degree 1 to `degree`, Xi comes by sequentially thresholded least squares (coefficients
-below `threshold` are dropped), and s is the largest |z|, |z'| of the training data, which makes all of it of order
-one.
+Theta holds the monomials of degree 1 to `degree`, Xi comes by sequentially thresholded least
+squares (coefficients below `threshold` are dropped), and s is the largest |z|, |z'| of the training
+data, which makes all of it of order one.
 """
 
 import json
@@ -19,9 +20,12 @@ from scipy.sparse import csr_matrix
 
 
 def modal(structure, modes):
-    """phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]."""
+    """Phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]."""
     phi = structure["mode_shape"].values[:modes]
-    entries = structure["mass_value"].values, (structure["mass_row"].values, structure["mass_column"].values)
+    entries = (
+        structure["mass_value"].values,
+        (structure["mass_row"].values, structure["mass_column"].values),
+    )
     mass = csr_matrix(entries, shape=(phi.shape[1], phi.shape[1]))
     return phi, (mass @ phi.T).T, structure["frequency"].values[:modes]
 
@@ -36,7 +40,9 @@ def fit(structure, train, *, modes, degree, threshold):
     decoder = np.kron(np.eye(2), phi.T) * scale
     mapped = time.perf_counter()
     library = pysindy.PolynomialLibrary(degree=degree, include_bias=False)
-    model = pysindy.SINDy(optimizer=pysindy.STLSQ(threshold=threshold, alpha=0.0), feature_library=library)
+    model = pysindy.SINDy(
+        optimizer=pysindy.STLSQ(threshold=threshold, alpha=0.0), feature_library=library
+    )
     model.fit(z / scale, t=train["time"].values * frequency[0], x_dot=rate / (scale * frequency[0]))
     arrays = {
         "reach": (
@@ -45,9 +51,24 @@ def fit(structure, train, *, modes, degree, threshold):
             "largest absolute reduced coordinate in the training data, in its own unit",
             "1",
         ),
-        "encoder": (("mode", "dof"), encoder, "projection of displacement and of velocity", "kg0.5"),
-        "scale": (("coordinate",), scale, "scale of the reduced coordinates in the monomials, in their own units", "1"),
-        "decoder": (("state", "decoder_term"), decoder, "coefficients of the decoder, in the unit of the state", "1"),
+        "encoder": (
+            ("mode", "dof"),
+            encoder,
+            "projection of displacement and of velocity",
+            "kg0.5",
+        ),
+        "scale": (
+            ("coordinate",),
+            scale,
+            "scale of the reduced coordinates in the monomials, in their own units",
+            "1",
+        ),
+        "decoder": (
+            ("state", "decoder_term"),
+            decoder,
+            "coefficients of the decoder, in the unit of the state",
+            "1",
+        ),
         "decoder_powers": (
             ("decoder_term", "coordinate"),
             np.eye(2 * modes, dtype=int),
@@ -86,7 +107,11 @@ def save(data, path):
         data.to_netcdf(
             partial,
             engine="netcdf4",
-            encoding={name: {"_FillValue": None} for name in data.variables if data[name].dtype.kind in "iu"},
+            encoding={
+                name: {"_FillValue": None}
+                for name in data.variables
+                if data[name].dtype.kind in "iu"
+            },
         )
         partial.replace(path)
     finally:
@@ -98,9 +123,13 @@ def read(path, kind):
     try:
         data = xr.load_dataset(path)
     except (OSError, ValueError) as error:
-        complain(f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again")
+        complain(
+            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again"
+        )
     if data.attrs.get("kind") != kind:
-        complain(f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a file made by the matching rule")
+        complain(
+            f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a file made by the matching rule"
+        )
     return data
 
 
@@ -129,14 +158,22 @@ def main(job):
         **job.params.provenance,
     }
     title = f"pysindy_modal in scene {scene}"
-    save(dataset(arrays, kind="rom", rom=job.params.rom_class, title=f"vibrom rom: {title}", **shared), job.output.rom)
+    save(
+        dataset(
+            arrays, kind="rom", rom=job.params.rom_class, title=f"vibrom rom: {title}", **shared
+        ),
+        job.output.rom,
+    )
     # Nothing is trained epoch by epoch: the loss history is empty.
     losses = {
         name: (("epoch",), np.zeros(0), words, "1")
         for name, words in (("epoch", "epoch"), ("train_total", "training loss"))
     }
     save(
-        dataset(losses, kind="losses", title=f"vibrom losses: {title}", **shared).set_coords("epoch"), job.output.losses
+        dataset(losses, kind="losses", title=f"vibrom losses: {title}", **shared).set_coords(
+            "epoch"
+        ),
+        job.output.losses,
     )
 
 

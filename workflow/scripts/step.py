@@ -1,8 +1,9 @@
-"""Runs one step of vibrom: the rule's named inputs, outputs and params become the arguments of its `run`.
+"""Runs one step of vibrom: the rule's named inputs, outputs and params become the arguments of its
+`run`.
 
-The step is `vibrom.steps.<name>`; the name is `params.step`, or the rule's. What the step prints goes to the terminal
-and to the rule's log. An error that vibrom itself raises is one line on stderr; any other is a bug and keeps its
-traceback.
+The step is `vibrom.steps.<name>`; the name is `params.step`, or the rule's. What the step prints
+goes to the terminal and to the rule's log. An error that vibrom itself raises is one line on
+stderr; any other is a bug and keeps its traceback.
 """
 
 import errno
@@ -27,7 +28,8 @@ class Tee:
         self.log.flush()
 
     def isatty(self):
-        # Jobs run side by side: bars that redraw themselves would write over one another, lines do not.
+        # Jobs run side by side: bars that redraw themselves would write over one another, lines do
+        # not.
         return False
 
     def __getattr__(self, name):
@@ -37,7 +39,10 @@ class Tee:
 def arguments(job):
     """Keyword arguments of the step: paths as text, lists of paths as lists."""
     paths = [*job.input.items(), *job.output.items()]
-    given = {name: str(path) if isinstance(path, str) else [str(item) for item in path] for name, path in paths}
+    given = {
+        name: str(path) if isinstance(path, str) else [str(item) for item in path]
+        for name, path in paths
+    }
     return given | dict(job.params.items())
 
 
@@ -53,7 +58,8 @@ def complaint(error):
 
 
 def main(job):
-    # Compiled loops use the cores that the job was given, like the BLAS libraries, whose variables Snakemake sets.
+    # Compiled loops use the cores that the job was given, like the BLAS libraries, whose variables
+    # Snakemake sets.
     os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
     try:
         with open(job.log[0], "w", buffering=1) as log:
@@ -78,7 +84,7 @@ def run(job):
     given = arguments(job)
     step = importlib.import_module(f"vibrom.steps.{given.pop('step', job.rule)}")
     if "provenance" in given:
-        from vibrom.provenance import completed
+        from vibrom.artefacts.provenance import completed
 
         given["provenance"] = completed(given["provenance"])
     step.run(**given)

@@ -1,12 +1,14 @@
-"""One file an effect: a frozen dataclass of the scene's keys whose `assemble(space, base)` gives the Term that it adds.
+"""One file an effect: a frozen dataclass of the scene's keys whose `assemble(space, base)` gives
+the Term that it adds.
 
-`base` is the sum of the effects listed before it. An effect that a scene does not list is never imported.
+`base` is the sum of the effects listed before it. An effect that a scene does not list is never
+imported.
 """
 
 import importlib
 from typing import Any
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import SceneError, Term
 
 
@@ -21,7 +23,15 @@ def assemble(space: Space, effects: dict[str, dict[str, Any]]) -> Term:
 def load(name: str, settings: dict[str, Any]) -> Any:
     """The effect of this name: the one class with an `assemble` that `effects/<name>.py` defines."""
     module = importlib.import_module(f"vibrom.effects.{name}")
-    found = [item for item in vars(module).values() if isinstance(item, type) and item.__module__ == module.__name__ and hasattr(item, "assemble")]
+    found = [
+        item
+        for item in vars(module).values()
+        if isinstance(item, type)
+        and item.__module__ == module.__name__
+        and hasattr(item, "assemble")
+    ]
     if len(found) != 1:
-        raise SceneError(f"effects/{name}.py defines {len(found)} classes with an `assemble`; define exactly one")
+        raise SceneError(
+            f"effects/{name}.py defines {len(found)} classes with an `assemble`; define exactly one"
+        )
     return found[0](**settings)

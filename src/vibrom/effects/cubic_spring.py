@@ -1,4 +1,5 @@
-"""A spring from one node to the ground:  f(u) = k_1 u + k_3 u^3  [N] along one axis; k_3 > 0 hardens, k_3 < 0 softens.
+"""A spring from one node to the ground:  f(u) = k_1 u + k_3 u^3  [N] along one axis; k_3 > 0
+hardens, k_3 < 0 softens.
 
 The linear part joins the stiffness, and so the modes.
 """
@@ -8,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
 
@@ -21,8 +22,14 @@ class CubicSpring:
 
     def assemble(self, space: Space, base: Term) -> Term:
         dof = space.dof("effects.cubic_spring", self.at, self.direction)
-        stiffness = csr_matrix(([self.linear], ([dof], [dof])), shape=(space.size, space.size)) if self.linear else None
-        spring = Force(lambda width: (_force, _tangent), np.array([[dof]]), np.array([[float(self.cubic)]]))
+        stiffness = (
+            csr_matrix(([self.linear], ([dof], [dof])), shape=(space.size, space.size))
+            if self.linear
+            else None
+        )
+        spring = Force(
+            lambda width: (_force, _tangent), np.array([[dof]]), np.array([[float(self.cubic)]])
+        )
         return Term(stiffness=stiffness, forces=(spring,) if self.cubic else ())
 
 

@@ -1,6 +1,7 @@
 """Linear isotropic elasticity:  K_ij = b int eps(N_i) : D : eps(N_j) dA,  b the thickness.
 
-Plane stress:  D11 = E/(1 - nu^2), D12 = nu D11.  Plane strain:  D11 = E(1 - nu)/((1 + nu)(1 - 2 nu)), D12 = nu D11/(1 - nu).  D33 = E/(2(1 + nu)).
+Plane stress:  D11 = E/(1 - nu^2), D12 = nu D11.  Plane strain:  D11 = E(1 - nu)/((1 + nu)(1 - 2
+nu)), D12 = nu D11/(1 - nu).  D33 = E/(2(1 + nu)).
 """
 
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ import numpy as np
 import skfem
 from skfem.helpers import sym_grad
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Term
 
 
@@ -26,8 +27,11 @@ class Elasticity:
         @skfem.BilinearForm
         def form(u, v, w):
             e, f = sym_grad(u), sym_grad(v)
-            return (d11 * (e[0, 0] * f[0, 0] + e[1, 1] * f[1, 1]) + d12 * (e[0, 0] * f[1, 1] + e[1, 1] * f[0, 0])
-                    + 4.0 * d33 * e[0, 1] * f[0, 1])
+            return (
+                d11 * (e[0, 0] * f[0, 0] + e[1, 1] * f[1, 1])
+                + d12 * (e[0, 0] * f[1, 1] + e[1, 1] * f[0, 0])
+                + 4.0 * d33 * e[0, 1] * f[0, 1]
+            )
 
         return Term(stiffness=space.matrix(form.assemble(space.basis)), elastic=elastic)
 

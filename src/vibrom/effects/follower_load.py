@@ -1,21 +1,27 @@
-"""A traction on an edge that turns with it: `pressure` stays normal to the deformed edge (into the body), `shear` tangential to it.
+"""A traction on an edge that turns with it: `pressure` stays normal to the deformed edge (into the
+body), `shear` tangential to it.
 
-    F_a = b int N_a [-pressure (y', -x') + shear (x', y')] ds,   (x, y) = X + u, ' = d/ds along the edge with the body on its left
+    F_a = b int N_a [-pressure (y', -x') + shear (x', y')] ds,   (x, y) = X + u, ' = d/ds along the
+    edge with the body on its left
 
-It is linear in u: p_0 = G X acts at rest and f = -G u is what turning adds, with a non-symmetric G (Belytschko, Liu, Moran, Nonlinear Finite Elements for
-Continua and Structures, 6.4.5). It has no potential unless the edge's ends are held: it can make a body flutter (Beck's column). It is constant:
-the signal of a scene drives other loads.
+It is linear in u: p_0 = G X acts at rest and f = -G u is what turning adds, with a non-symmetric G
+(Belytschko, Liu, Moran, Nonlinear Finite Elements for Continua and Structures, 6.4.5). It has no
+potential unless the edge's ends are held: it can make a body flutter (Beck's column). It is
+constant: the signal of a scene drives other loads.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.space import EDGES, Space
+from vibrom.bodies.space import EDGES, Space
 from vibrom.term import Force, SceneError, Term, force_kernel, tangent_kernel
 
 # int N_a dN_b/ds ds over a segment of two or three nodes; its length drops out.
-NODES = {2: np.array([[-3.0, 3.0], [-3.0, 3.0]]) / 6, 3: np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6}
+NODES = {
+    2: np.array([[-3.0, 3.0], [-3.0, 3.0]]) / 6,
+    3: np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6,
+}
 
 
 @dataclass(frozen=True)
@@ -26,17 +32,29 @@ class FollowerLoad:
 
     def assemble(self, space: Space, base: Term) -> Term:
         if self.edge not in EDGES:
-            raise SceneError(f"effects.follower_load.edge = {self.edge!r} is no edge; choose from {', '.join(EDGES)}")
+            raise SceneError(
+                f"effects.follower_load.edge = {self.edge!r} is no edge; choose from {', '.join(EDGES)}"
+            )
         nodes = space.edge(self.edge)
         dofs = nodes.reshape(len(nodes), -1)
         if (space.number[dofs] < 0).all():
-            raise SceneError(f"effects.follower_load.edge = {self.edge!r} is clamped; choose one that can move")
+            raise SceneError(
+                f"effects.follower_load.edge = {self.edge!r} is clamped; choose one that can move"
+            )
         turn = np.array([[self.shear, -self.pressure], [self.pressure, self.shear]])
         matrix = space.thickness * np.kron(NODES[nodes.shape[1]], turn)  # G of every segment [N/m]
-        load, place = np.zeros(space.basis.N), space.basis.doflocs[np.arange(dofs.shape[1]) % 2, dofs]
+        load, place = (
+            np.zeros(space.basis.N),
+            space.basis.doflocs[np.arange(dofs.shape[1]) % 2, dofs],
+        )
         np.add.at(load, dofs, place @ matrix.T)
         table = np.tile(-matrix.ravel(), (len(dofs), 1))
-        return Term(dead_load=space.vector(load), forces=(Force(lambda width: (_force, _tangent), space.number[dofs], table, symmetric=False),))
+        return Term(
+            dead_load=space.vector(load),
+            forces=(
+                Force(lambda width: (_force, _tangent), space.number[dofs], table, symmetric=False),
+            ),
+        )
 
 
 @force_kernel

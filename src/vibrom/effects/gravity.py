@@ -1,12 +1,14 @@
-"""Weight:  p_0 = M_all (g_x, g_y),  a dead load on every mass listed before it, the clamped nodes' share included.
+"""Weight:  p_0 = M_all (g_x, g_y),  a dead load on every mass listed before it, the clamped nodes'
+share included.
 
-The body then oscillates about the shape that its weight gives it: modes, release states and everything recorded are measured from there.
-Listed before `rayleigh_damping` and `modal_load`, it gives them the modes of the loaded body.
+The body then oscillates about the shape that its weight gives it: modes, release states and
+everything recorded are measured from there. Listed before `rayleigh_damping` and `modal_load`, it
+gives them the modes of the loaded body.
 """
 
 from dataclasses import dataclass
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Term
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import skfem
 from skfem.helpers import dot
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Term
 
 
@@ -15,5 +15,7 @@ class Inertia:
     density: float  # kg/m^3
 
     def assemble(self, space: Space, base: Term) -> Term:
-        mass = skfem.BilinearForm(lambda u, v, w: self.density * space.thickness * dot(u, v)).assemble(space.basis)
+        mass = skfem.BilinearForm(
+            lambda u, v, w: self.density * space.thickness * dot(u, v)
+        ).assemble(space.basis)
         return Term(mass=space.matrix(mass), carried=space.vector(mass @ np.eye(2)[space.axis]))

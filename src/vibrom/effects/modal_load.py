@@ -1,9 +1,11 @@
-"""A load that drives one mode of the undamped linear body:  p = M phi_k  (modal force 1 N per kg^1/2 and unit of the signal)."""
+"""A load that drives one mode of the undamped linear body:  p = M phi_k  (modal force 1 N per
+kg^1/2 and unit of the signal).
+"""
 
 from dataclasses import dataclass
 
-from vibrom.modes import eigenmodes
-from vibrom.space import Space
+from vibrom.bodies.space import Space
+from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError, Term
 
 
@@ -15,5 +17,7 @@ class ModalLoad:
         mass = base.require("mass", "modal_load", "inertia")
         base.require("stiffness", "modal_load", "elasticity")
         if not 1 <= self.mode < space.size:
-            raise SceneError(f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to {space.size - 1}")
+            raise SceneError(
+                f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to {space.size - 1}"
+            )
         return Term(load=mass @ eigenmodes(base, self.mode)[1][self.mode - 1])

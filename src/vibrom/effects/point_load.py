@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Term
 
 

@@ -1,12 +1,13 @@
 """Rayleigh damping:  C = a M + b K.
 
-`damping_ratio` zeta of the first mode omega_1 is met by the mass part:  a = 2 zeta omega_1 - b omega_1^2  [1/s].
+`damping_ratio` zeta of the first mode omega_1 is met by the mass part:  a = 2 zeta omega_1 - b
+omega_1^2  [1/s].
 """
 
 from dataclasses import dataclass
 
-from vibrom.modes import eigenmodes
-from vibrom.space import Space
+from vibrom.bodies.space import Space
+from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import Term
 
 
@@ -20,4 +21,8 @@ class RayleighDamping:
         stiffness = base.require("stiffness", "rayleigh_damping", "elasticity")
         first = eigenmodes(base, 1)[0][0]
         damping = (2.0 * self.damping_ratio * first - self.stiffness_factor * first**2) * mass
-        return Term(damping=damping + self.stiffness_factor * stiffness if self.stiffness_factor else damping)
+        return Term(
+            damping=damping + self.stiffness_factor * stiffness
+            if self.stiffness_factor
+            else damping
+        )

@@ -1,18 +1,21 @@
 """A stop that one node runs into: unilateral contact by penalty, elastic or with losses.
 
-    f = s k d (1 + c d')  while the depth d = s u - gap is positive and the bracket is too; s = +-1 the side, u along one axis, d' = s v
+    f = s k d (1 + c d')  while the depth d = s u - gap is positive and the bracket is too; s = +-1
+    the side, u along one axis, d' = s v
 
-Hunt and Crossley's damping c (J. Appl. Mech. 42 (1975) 440) is without force at the first touch and never pulls; a mass that arrives at speed v leaves at
-e v with e = 1 - 2 c v/3 + O(c^2 v^2). c = 0 returns all energy. What the step h must resolve is the time in contact, about pi sqrt(m/k) with the mass m
-that stops: the energy is kept to 0.5 % by 10 steps in it, to 0.05 % by 20 (trapezoidal rule), and the error falls at least as h^2, though contacts begin
-and end within steps. A stiffer k comes closer to a rigid stop (depth v sqrt(m/k)) and asks for smaller steps.
+Hunt and Crossley's damping c (J. Appl. Mech. 42 (1975) 440) is without force at the first touch and
+never pulls; a mass that arrives at speed v leaves at e v with e = 1 - 2 c v/3 + O(c^2 v^2). c = 0
+returns all energy. What the step h must resolve is the time in contact, about pi sqrt(m/k) with the
+mass m that stops: the energy is kept to 0.5 % by 10 steps in it, to 0.05 % by 20 (trapezoidal
+rule), and the error falls at least as h^2, though contacts begin and end within steps. A stiffer k
+comes closer to a rigid stop (depth v sqrt(m/k)) and asks for smaller steps.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.space import Space
+from vibrom.bodies.space import Space
 from vibrom.term import Force, SceneError, Term, force_kernel, tangent_kernel
 
 SIDES = {"positive": 1.0, "negative": -1.0}
@@ -29,7 +32,9 @@ class Stop:
 
     def assemble(self, space: Space, base: Term) -> Term:
         if self.side not in SIDES:
-            raise SceneError(f"effects.stop.side = {self.side!r} is no side; choose positive or negative")
+            raise SceneError(
+                f"effects.stop.side = {self.side!r} is no side; choose positive or negative"
+            )
         dof = space.dof("effects.stop", self.at, self.direction)
         table = np.array([[SIDES[self.side], self.gap, self.stiffness, self.damping]])
         return Term(forces=(Force(lambda width: (_force, _tangent), np.array([[dof]]), table),))
@@ -38,7 +43,13 @@ class Stop:
 @force_kernel
 def _force(q, v, dofs, table, f):
     for e in range(dofs.shape[0]):
-        dof, side, gap, stiffness, damping = dofs[e, 0], table[e, 0], table[e, 1], table[e, 2], table[e, 3]
+        dof, side, gap, stiffness, damping = (
+            dofs[e, 0],
+            table[e, 0],
+            table[e, 1],
+            table[e, 2],
+            table[e, 3],
+        )
         for w in range(q.shape[1]):
             depth, bracket = side * q[dof, w] - gap, 1.0 + damping * side * v[dof, w]
             if depth > 0.0 and bracket > 0.0:
@@ -48,8 +59,16 @@ def _force(q, v, dofs, table, f):
 @tangent_kernel
 def _tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
     for e in range(dofs.shape[0]):
-        dof, side, gap, stiffness, damping = dofs[e, 0], table[e, 0], table[e, 1], table[e, 2], table[e, 3]
+        dof, side, gap, stiffness, damping = (
+            dofs[e, 0],
+            table[e, 0],
+            table[e, 1],
+            table[e, 2],
+            table[e, 3],
+        )
         for w in range(q.shape[1]):
             depth, bracket = side * q[dof, w] - gap, 1.0 + damping * side * v[dof, w]
             if depth > 0.0 and bracket > 0.0:
-                values[slots[e, 0], w] += stiffness * (scale_q[w] * bracket + scale_v[w] * depth * damping)
+                values[slots[e, 0], w] += stiffness * (
+                    scale_q[w] * bracket + scale_v[w] * depth * damping
+                )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from vibrom.space import AXES, Space
+from vibrom.bodies.space import AXES, Space
 from vibrom.term import Term
 
 
@@ -15,6 +15,14 @@ class TipMass:
     mass: float  # kg
 
     def assemble(self, space: Space, base: Term) -> Term:
-        dofs, carried = [space.dof("effects.tip_mass", self.at, direction) for direction in AXES], np.zeros((space.size, len(AXES)))
+        dofs, carried = (
+            [space.dof("effects.tip_mass", self.at, direction) for direction in AXES],
+            np.zeros((space.size, len(AXES))),
+        )
         carried[dofs, range(len(AXES))] = self.mass
-        return Term(mass=csr_matrix((np.full(len(AXES), self.mass), (dofs, dofs)), shape=(space.size, space.size)), carried=carried)
+        return Term(
+            mass=csr_matrix(
+                (np.full(len(AXES), self.mass), (dofs, dofs)), shape=(space.size, space.size)
+            ),
+            carried=carried,
+        )

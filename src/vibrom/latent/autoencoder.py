@@ -1,14 +1,17 @@
-"""A bias-free autoencoder that carries time derivatives with its values (Taylor mode), for training.
+"""A bias-free autoencoder that carries time derivatives with its values (Taylor mode), for
+training.
 
     w(q) = E q + N_w(q),    v(z) = D z + N_v(z) [- N_v'(0) z],    N(y) = W_l s(W_l-1 s(... W_1 y))
 
-A motion is a stack (channel, sample, dof) of value, first and second time derivative. Through a layer a = W y, and through s(a)
+A motion is a stack (channel, sample, dof) of value, first and second time derivative. Through a
+layer a = W y, and through s(a)
 
     y = s(a),    y' = s'(a) a',    y'' = s''(a) a'^2 + s'(a) a''
 
-so derivatives cost two more forward passes and no nested differentiation. The gradient of a loss is written out too: recording each product
-for automatic differentiation takes longer than these small products themselves. Without biases rest maps to rest. E and D are an optional known
-linear part; subtracting the network's own tangent makes D the exact tangent of the decoder at rest.
+so derivatives cost two more forward passes and no nested differentiation. The gradient of a loss is
+written out too: recording each product for automatic differentiation takes longer than these small
+products themselves. Without biases rest maps to rest. E and D are an optional known linear part;
+subtracting the network's own tangent makes D the exact tangent of the decoder at rest.
 """
 
 from dataclasses import dataclass
@@ -54,7 +57,9 @@ SLOPE_AT_REST = {"elu": 1.0, "silu": 0.5, "tanh": 1.0, "softplus": 0.5}
 
 
 def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
-    """N and its time derivatives, for a stack of one or three channels, and what `backward` needs of the way there."""
+    """N and its time derivatives, for a stack of one or three channels, and what `backward` needs
+    of the way there.
+    """
     tape = []
     for weight in weights[:-1]:
         a = y @ weight.T
@@ -72,8 +77,12 @@ def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
     return y @ weights[-1].T, [*tape, (y,)]
 
 
-def backward(g: Stack, weights: Weights, tape: Tape, slopes: Weights, inwards: bool) -> Stack | None:
-    """From the gradient g with respect to N: that with respect to each weight goes to `slopes`; that with respect to y is returned, if asked for."""
+def backward(
+    g: Stack, weights: Weights, tape: Tape, slopes: Weights, inwards: bool
+) -> Stack | None:
+    """From the gradient g with respect to N: that with respect to each weight goes to `slopes`;
+    that with respect to y is returned, if asked for.
+    """
     for place in reversed(range(len(weights))):
         y, *bent = tape[place]
         if place < len(weights) - 1:
@@ -112,9 +121,11 @@ def tangent_backward(g: torch.Tensor, weights: Weights, activation: str, slopes:
 
 @dataclass(frozen=True)
 class Autoencoder:
-    """The shape of the networks; weights travel separately, so that all that is learnt is one vector.
+    """The shape of the networks; weights travel separately, so that all that is learnt is one
+    vector.
 
-    `sizes` of the encoder, input to latent; the decoder mirrors them. encoder_linear E (d, n), decoder_linear D (n, d) or None.
+    `sizes` of the encoder, input to latent; the decoder mirrors them. encoder_linear E (d, n),
+    decoder_linear D (n, d) or None.
     """
 
     sizes: tuple[int, ...]
@@ -130,8 +141,14 @@ class Autoencoder:
         return encoder + [(columns, rows) for rows, columns in reversed(encoder)]
 
     def initial(self, generator: torch.Generator) -> list[torch.Tensor]:
-        """Xavier: uniform within sqrt(6 / (inputs + outputs)). Drawn on the CPU in float64, so every device starts alike."""
-        return [(2.0 * torch.rand(shape, generator=generator, dtype=torch.float64) - 1.0) * sqrt(6.0 / sum(shape)) for shape in self.shapes]
+        """Xavier: uniform within sqrt(6 / (inputs + outputs)). Drawn on the CPU in float64, so
+        every device starts alike.
+        """
+        return [
+            (2.0 * torch.rand(shape, generator=generator, dtype=torch.float64) - 1.0)
+            * sqrt(6.0 / sum(shape))
+            for shape in self.shapes
+        ]
 
     def encode(self, q: Stack, weights: Weights) -> tuple[Stack, Tape]:
         z, tape = forward(q, self._encoder(weights), self.activation)
@@ -152,25 +169,33 @@ class Autoencoder:
         linear = self.linear_decoder(weights)
         return (q if linear is None else q.add_(z @ linear.T)), tape
 
-    def decode_backward(self, g: Stack, z: Stack, weights: Weights, tape: Tape, slopes: Weights) -> Stack:
-        """From the gradient with respect to q, those with respect to the decoder's weights and to z."""
+    def decode_backward(
+        self, g: Stack, z: Stack, weights: Weights, tape: Tape, slopes: Weights
+    ) -> Stack:
+        """From the gradient with respect to q, those with respect to the decoder's weights and to
+        z.
+        """
         decoder, found = self._decoder(weights), self._decoder(slopes)
         inner = backward(g, decoder, tape, found, inwards=True)
         if self.decoder_linear is None:
             return inner
         if self.fixed_tangent:
-            tangent_backward(-(g.flatten(0, 1).T @ z.flatten(0, 1)), decoder, self.activation, found)
+            tangent_backward(
+                -(g.flatten(0, 1).T @ z.flatten(0, 1)), decoder, self.activation, found
+            )
         return inner.add_(g @ self.linear_decoder(weights))
 
     def _encoder(self, weights: Weights) -> Weights:
         return weights[: len(self.sizes) - 1]
 
     def _decoder(self, weights: Weights) -> Weights:
-        return weights[len(self.sizes) - 1: 2 * len(self.sizes) - 2]
+        return weights[len(self.sizes) - 1 : 2 * len(self.sizes) - 2]
 
 
 class Polynomial:
-    """f(y) = C Phi(y) of y (sample, variable), with the monomials of the exponents `powers` (l, variable)."""
+    """f(y) = C Phi(y) of y (sample, variable), with the monomials of the exponents `powers` (l,
+    variable).
+    """
 
     def __init__(self, powers: np.ndarray, device: torch.device):
         self.powers = torch.tensor(np.asarray(powers).T, device=device)  # (variable, l)
@@ -183,7 +208,9 @@ class Polynomial:
         for _ in range(self.top):
             rows.append(rows[-1] * y)
         table = torch.stack(rows, dim=-1)
-        factors = [table[:, axis].index_select(-1, chosen) for axis, chosen in enumerate(self.powers)]
+        factors = [
+            table[:, axis].index_select(-1, chosen) for axis, chosen in enumerate(self.powers)
+        ]
         slopes = []
         for axis, chosen in enumerate(self.lower):
             slope = table[:, axis].index_select(-1, chosen) * self.powers[axis]

@@ -2,16 +2,19 @@
 
     c = B' q / s,   z = w(c),   z' = w'(c) c';      q = s B v(z),   q' = s B v'(z) z'
     second order:  z'' = f^2 Xi Phi(z, z'/f);       first order:  (z, z'/f)' = f Xi Phi(z, z'/f)
-    z'' + alpha(z) M^-1 p u,   alpha = (V'V)^-1 V',   V = s B v'(z)                                 (thesis, equation 2.16)
+    z'' + alpha(z) M^-1 p u,   alpha = (V'V)^-1 V',   V = s B v'(z)
+    (thesis, equation 2.16)
 
-z is dimensionless, z' in 1/s. The force enters by `force_rule`: `decoder` as above; `decoder_mass` with (V'MV)^-1 V' p, the virtual work of
-the load; `encoder` with w'(q) M^-1 p at q = v(z).
+z is dimensionless, z' in 1/s. The force enters by `force_rule`: `decoder` as above; `decoder_mass`
+with (V'MV)^-1 V' p, the virtual work of the load; `encoder` with w'(q) M^-1 p at q = v(z).
 
-With `decoder_beyond: tangent` the decoder goes on along its tangent where a position leaves the training range |z_i| <= Z_i:
+With `decoder_beyond: tangent` the decoder goes on along its tangent where a position leaves the
+training range |z_i| <= Z_i:
 
     v(z) -> v(c) + v'(c) (z - c),   v'(z) -> v'(c),   c_i = min(max(z_i, -Z_i), Z_i)
 
-Without data a network may bend anywhere. One position has v'(c) for its tangent exactly; with several, its change along the edge is left out.
+Without data a network may bend anywhere. One position has v'(c) for its tangent exactly; with
+several, its change along the edge is left out.
 """
 
 from __future__ import annotations
@@ -27,10 +30,10 @@ from scipy.sparse.linalg import splu
 from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import continued
 from vibrom.latent.polynomial import exponents, monomials
-from vibrom.rom import Guards, MethodError, Rom, Training, array_field
+from vibrom.models.rom import Guards, MethodError, Rom, Training, array_field
 
 if TYPE_CHECKING:
-    from vibrom.solvers.field import Field
+    from vibrom.solvers.reduced.field import Field
 
 RULES = ("decoder", "decoder_mass", "encoder")
 BEYOND = ("network", "tangent")
@@ -52,8 +55,12 @@ def activate(name: str, a: np.ndarray, order: int) -> tuple[np.ndarray, ...]:
     return (a * s, s + a * r, r * (2.0 + a * (1.0 - 2.0 * s)) if order > 1 else r)[: order + 1]
 
 
-def network(weights: list[np.ndarray], linear: np.ndarray, name: str, y: np.ndarray, curved: bool = False) -> np.ndarray:
-    """N(y) + L y of a stack (channel, *batch, n): a value and first derivatives along it; `curved`: value, first and second derivative."""
+def network(
+    weights: list[np.ndarray], linear: np.ndarray, name: str, y: np.ndarray, curved: bool = False
+) -> np.ndarray:
+    """N(y) + L y of a stack (channel, *batch, n): a value and first derivatives along it; `curved`:
+    value, first and second derivative.
+    """
     straight = y @ linear.T
     for weight in weights[:-1]:
         a = y @ weight.T
@@ -76,21 +83,41 @@ def slope_at_rest(weights: list[np.ndarray], name: str) -> np.ndarray:
 
 @dataclass(frozen=True)
 class AutoencoderRom(Rom):
-    """z = w(c), z' with d coordinates each; `basis` None stands for the identity, the mass is absent for data without operators."""
+    """z = w(c), z' with d coordinates each; `basis` None stands for the identity, the mass is
+    absent for data without operators.
+    """
 
-    sizes: np.ndarray = array_field("1", "units of each layer of the encoder, input to latent", ("layer",))
-    weights: np.ndarray = array_field("1", "weights of the encoder, then of the decoder, layer by layer, rows first", ("weight",))
-    encoder_linear: np.ndarray = array_field("1", "linear part beside the encoder", ("latent", "reduced"))
-    decoder_linear: np.ndarray = array_field("1", "linear part beside the decoder", ("reduced", "latent"))
-    basis: np.ndarray | None = array_field("1", "orthonormal directions of displacement", ("dof", "reduced"))
+    sizes: np.ndarray = array_field(
+        "1", "units of each layer of the encoder, input to latent", ("layer",)
+    )
+    weights: np.ndarray = array_field(
+        "1", "weights of the encoder, then of the decoder, layer by layer, rows first", ("weight",)
+    )
+    encoder_linear: np.ndarray = array_field(
+        "1", "linear part beside the encoder", ("latent", "reduced")
+    )
+    decoder_linear: np.ndarray = array_field(
+        "1", "linear part beside the decoder", ("reduced", "latent")
+    )
+    basis: np.ndarray | None = array_field(
+        "1", "orthonormal directions of displacement", ("dof", "reduced")
+    )
     scale: np.ndarray = array_field("m", "displacement of one unit of the network", ())
     rate: np.ndarray = array_field("s-1", "rate of the scaled time", ())
-    coefficients: np.ndarray = array_field("1", "coefficients of the monomials in (z, z'/rate), in scaled time", ("equation", "monomial"))
+    coefficients: np.ndarray = array_field(
+        "1",
+        "coefficients of the monomials in (z, z'/rate), in scaled time",
+        ("equation", "monomial"),
+    )
     order: int
     activation: str
     force_rule: str
-    mass_row: np.ndarray | None = array_field("1", "row of each entry of the mass matrix", ("entry",))
-    mass_column: np.ndarray | None = array_field("1", "column of each entry of the mass matrix", ("entry",))
+    mass_row: np.ndarray | None = array_field(
+        "1", "row of each entry of the mass matrix", ("entry",)
+    )
+    mass_column: np.ndarray | None = array_field(
+        "1", "column of each entry of the mass matrix", ("entry",)
+    )
     mass_value: np.ndarray | None = array_field("kg", "entries of the mass matrix", ("entry",))
     extrapolation: str = "none"
     decoder_beyond: str = "network"
@@ -105,8 +132,10 @@ class AutoencoderRom(Rom):
         shapes = list(zip(sizes[1:], sizes[:-1]))
         shapes += [(columns, rows) for rows, columns in reversed(shapes)]
         ends = np.cumsum([rows * columns for rows, columns in shapes])
-        layers = [part.reshape(shape) for part, shape in zip(np.split(self.weights, ends[:-1]), shapes)]
-        return layers[: len(sizes) - 1], layers[len(sizes) - 1:]
+        layers = [
+            part.reshape(shape) for part, shape in zip(np.split(self.weights, ends[:-1]), shapes)
+        ]
+        return layers[: len(sizes) - 1], layers[len(sizes) - 1 :]
 
     @cached_property
     def _powers(self) -> np.ndarray:
@@ -115,9 +144,13 @@ class AutoencoderRom(Rom):
     @cached_property
     def _mass(self) -> csc_matrix:
         if self.mass_value is None:
-            raise MethodError("this model was fitted without a mass matrix, so a load cannot act on it; fit it in a scene with operators")
+            raise MethodError(
+                "this model was fitted without a mass matrix, so a load cannot act on it; fit it in a scene with operators"
+            )
         rows, columns = np.asarray(self.mass_row, int), np.asarray(self.mass_column, int)
-        return csc_matrix((self.mass_value, (rows, columns)), shape=(rows.max() + 1, rows.max() + 1))
+        return csc_matrix(
+            (self.mass_value, (rows, columns)), shape=(rows.max() + 1, rows.max() + 1)
+        )
 
     @cached_property
     def _mass_factor(self):
@@ -126,7 +159,9 @@ class AutoencoderRom(Rom):
     @cached_property
     def _reduced_mass(self) -> np.ndarray:
         """s^2 B'MB (k, k)."""
-        mass = self._mass.toarray() if self.basis is None else self.basis.T @ (self._mass @ self.basis)
+        mass = (
+            self._mass.toarray() if self.basis is None else self.basis.T @ (self._mass @ self.basis)
+        )
         return mass * float(self.scale) ** 2
 
     @cached_property
@@ -137,20 +172,41 @@ class AutoencoderRom(Rom):
         return (q if self.basis is None else q @ self.basis) / float(self.scale)
 
     def encode_motion(self, *motion: np.ndarray) -> np.ndarray:
-        """z, z' and, with accelerations, z'' (channel, *batch, d) of displacement, velocity and acceleration (*batch, n)."""
-        return network(self._layers[0], self.encoder_linear, self.activation, np.stack([self.reduce(part) for part in motion]), len(motion) > 2)
+        """z, z' and, with accelerations, z'' (channel, *batch, d) of displacement, velocity and
+        acceleration (*batch, n).
+        """
+        return network(
+            self._layers[0],
+            self.encoder_linear,
+            self.activation,
+            np.stack([self.reduce(part) for part in motion]),
+            len(motion) > 2,
+        )
 
     @cached_property
     def _edge(self) -> np.ndarray:
         """Z (d,); infinite where the decoder is the network everywhere."""
-        return self.reach[: self.latent] if self.decoder_beyond == "tangent" else np.full(self.latent, np.inf)
+        return (
+            self.reach[: self.latent]
+            if self.decoder_beyond == "tangent"
+            else np.full(self.latent, np.inf)
+        )
 
     def _decoder(self, position: np.ndarray, *along: np.ndarray) -> np.ndarray:
-        """v(z) and v'(z) times each of `along` (channel, *batch, k), in network units; positions and directions are (*batch, d)."""
+        """v(z) and v'(z) times each of `along` (channel, *batch, k), in network units; positions
+        and directions are (*batch, d).
+        """
         if self.decoder_beyond == "network":
-            return network(self._layers[1], self.decoder_linear, self.activation, np.stack([position, *along]))
+            return network(
+                self._layers[1], self.decoder_linear, self.activation, np.stack([position, *along])
+            )
         c = np.clip(position, -self._edge, self._edge)
-        found = network(self._layers[1], self.decoder_linear, self.activation, np.stack([c, *along, position - c]))
+        found = network(
+            self._layers[1],
+            self.decoder_linear,
+            self.activation,
+            np.stack([c, *along, position - c]),
+        )
         found[0] += found[-1]
         return found[:-1]
 
@@ -160,7 +216,13 @@ class AutoencoderRom(Rom):
 
     def decode(self, z: np.ndarray) -> np.ndarray:
         motion = self._decoder(*np.split(z, 2, axis=-1))
-        return np.concatenate([(item if self.basis is None else item @ self.basis.T) * float(self.scale) for item in motion], axis=-1)
+        return np.concatenate(
+            [
+                (item if self.basis is None else item @ self.basis.T) * float(self.scale)
+                for item in motion
+            ],
+            axis=-1,
+        )
 
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         q = self._decoder(z[..., : self.latent])[0] * float(self.scale)
@@ -171,7 +233,11 @@ class AutoencoderRom(Rom):
     def drift(self, z: np.ndarray) -> np.ndarray:
         d, rate = self.latent, float(self.rate)
         scale = np.repeat([1.0, rate], d)
-        library = monomials(z / scale, self._powers) if self.extrapolation == "none" else continued(z, scale, self.reach, self._powers)
+        library = (
+            monomials(z / scale, self._powers)
+            if self.extrapolation == "none"
+            else continued(z, scale, self.reach, self._powers)
+        )
         value = library @ self.coefficients.T
         if len(self.coefficients) == d:
             return np.concatenate([z[..., d:], rate**2 * value], axis=-1)
@@ -180,7 +246,9 @@ class AutoencoderRom(Rom):
         return value
 
     def _load(self, p: np.ndarray) -> np.ndarray:
-        """What the rule needs of a load, in network units: B'M^-1 p / s, or the work s B'p. Kept, since a run has one load."""
+        """What the rule needs of a load, in network units: B'M^-1 p / s, or the work s B'p. Kept,
+        since a run has one load.
+        """
         key = (self.force_rule, p.tobytes())
         if key not in self._loads:
             work = self.force_rule == "decoder_mass"
@@ -191,39 +259,77 @@ class AutoencoderRom(Rom):
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
         d, load = self.latent, self._load(p)
         position = z[..., :d]
-        back = self._decoder(position, *(np.broadcast_to(direction, position.shape) for direction in np.eye(d)))
+        back = self._decoder(
+            position, *(np.broadcast_to(direction, position.shape) for direction in np.eye(d))
+        )
         tangents = back[1:]
         if self.force_rule == "encoder":
             along = np.stack([back[0], np.broadcast_to(load, back[0].shape)])
             value = network(self._layers[0], self.encoder_linear, self.activation, along)[1]
         else:
-            weighted = tangents @ self._reduced_mass if self.force_rule == "decoder_mass" else tangents
+            weighted = (
+                tangents @ self._reduced_mass if self.force_rule == "decoder_mass" else tangents
+            )
             if d == 1:
                 value = ((tangents[0] @ load) / (weighted[0] * tangents[0]).sum(axis=-1))[..., None]
             else:
                 gram = np.einsum("i...k,j...k->...ij", weighted, tangents)
-                value = np.linalg.solve(gram, np.moveaxis(tangents @ load, 0, -1)[..., None])[..., 0]
+                value = np.linalg.solve(gram, np.moveaxis(tangents @ load, 0, -1)[..., None])[
+                    ..., 0
+                ]
         return np.concatenate([np.zeros_like(value), value], axis=-1)
 
     def field(self, p: np.ndarray | None) -> Field:
         from vibrom.latent.decoder_kernel import force_kernel
         from vibrom.latent.polynomial_kernel import polynomial_kernel
-        from vibrom.solvers.field import Field
+        from vibrom.solvers.reduced.field import Field
 
-        d, rate, powers, coefficients = self.latent, float(self.rate), self._powers, self.coefficients
+        d, rate, powers, coefficients = (
+            self.latent,
+            float(self.rate),
+            self._powers,
+            self.coefficients,
+        )
         if len(coefficients) == d:  # z' = z' is a row of its own
             kinematic = (powers == np.eye(2 * d, dtype=int)[d:, None]).all(axis=2)
             coefficients = np.concatenate([kinematic, coefficients])
         scale = np.repeat([1.0, rate], d)
-        drift = polynomial_kernel(scale, powers, coefficients * (rate * scale)[:, None], None if self.extrapolation == "none" else self.reach)
+        drift = polynomial_kernel(
+            scale,
+            powers,
+            coefficients * (rate * scale)[:, None],
+            None if self.extrapolation == "none" else self.reach,
+        )
         if p is None:
             return Field(drift)
-        load, mass = self._load(p), self._reduced_mass if self.force_rule == "decoder_mass" else None
-        return Field(drift, force_kernel(*self._layers, self.encoder_linear, self.decoder_linear, self.activation, load, self.force_rule, mass, self._edge))
+        load, mass = (
+            self._load(p),
+            self._reduced_mass if self.force_rule == "decoder_mass" else None,
+        )
+        return Field(
+            drift,
+            force_kernel(
+                *self._layers,
+                self.encoder_linear,
+                self.decoder_linear,
+                self.activation,
+                load,
+                self.force_rule,
+                mass,
+                self._edge,
+            ),
+        )
 
     def guarded(self, guards: Guards, training: Training) -> AutoencoderRom:
         if not guards.dissipative:
             return replace(self, extrapolation=guards.extrapolation)
-        motion, rate = self.encode_motion(*(training.joined(what) for what in ("displacement", "velocity", "acceleration"))), float(self.rate)
+        motion, rate = (
+            self.encode_motion(
+                *(training.joined(what) for what in ("displacement", "velocity", "acceleration"))
+            ),
+            float(self.rate),
+        )
         row = fit_dissipative(tuple(motion), self.reach, np.array([1.0, rate]), guards.dissipative)
-        return replace(self, coefficients=row[None] / rate**2, order=guards.dissipative, extrapolation="linear")
+        return replace(
+            self, coefficients=row[None] / rate**2, order=guards.dissipative, extrapolation="linear"
+        )

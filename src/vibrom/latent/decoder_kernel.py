@@ -1,9 +1,12 @@
 """The force map of an autoencoder, compiled for eight states side by side.
 
-    V = dv/dz by d tangents carried along with the value;   decoder: (V'V)^-1 V' l,   decoder_mass: (V'MV)^-1 V' l,   encoder: w'(v(z)) l
+    V = dv/dz by d tangents carried along with the value;   decoder: (V'V)^-1 V' l,   decoder_mass:
+    (V'MV)^-1 V' l,   encoder: w'(v(z)) l
 
-with the load l in network units, as `autoencoder_rom` has it; beyond an edge v goes on along its tangent. The Gram matrix is solved by Cholesky's method.
-The exponential: e^a = 2^n e^(a - n ln 2), with ln 2 in two parts (Cody and Waite) and Taylor's series to degree 13 on |a - n ln 2| <= 0.35: 4e-18.
+with the load l in network units, as `autoencoder_rom` has it; beyond an edge v goes on along its
+tangent. The Gram matrix is solved by Cholesky's method. The exponential: e^a = 2^n e^(a - n ln 2),
+with ln 2 in two parts (Cody and Waite) and Taylor's series to degree 13 on |a - n ln 2| <= 0.35:
+4e-18.
 """
 
 from math import factorial
@@ -11,9 +14,9 @@ from math import factorial
 import numpy as np
 from numba import njit
 
-from vibrom.lanes import WIDTH, fill, floor, load, positive, power_of_two, sqrt, store
+from vibrom.kernels.lanes import WIDTH, fill, floor, get, positive, power_of_two, put, sqrt
 from vibrom.latent.autoencoder_rom import RULES
-from vibrom.solvers.field import Kernel, field_kernel
+from vibrom.solvers.reduced.field import Kernel, field_kernel
 
 ACTIVATIONS = ("silu", "elu", "tanh", "softplus")
 _HIGH, _LOW = 0.6931471803691238, 1.9082149292705877e-10  # ln 2 = high + low; n high is exact
@@ -36,7 +39,9 @@ def _exp(a):
 
 @njit(error_model="numpy")
 def _log_one_plus(x):
-    """ln(1 + x) for 0 <= x <= 1:  2 atanh(s) with s = x/(2 + x) <= 1/3; the first term left out is below 1e-19."""
+    """ln(1 + x) for 0 <= x <= 1:  2 atanh(s) with s = x/(2 + x) <= 1/3; the first term left out is
+    below 1e-19.
+    """
     s = x / (x + 2.0)
     square = s * s
     total = fill(_ATANH[0], WIDTH)
@@ -47,7 +52,9 @@ def _log_one_plus(x):
 
 @njit(error_model="numpy")
 def _activate(activation, a):
-    """(s, s') of a. tanh is good to 1e-16 absolutely, which is what sums of it need, not relatively near zero."""
+    """(s, s') of a. tanh is good to 1e-16 absolutely, which is what sums of it need, not relatively
+    near zero.
+    """
     if activation == 1:
         bent = _exp(positive(a, 0.0, a))
         return positive(a, a, bent - 1.0), bent
@@ -64,49 +71,76 @@ def _activate(activation, a):
 
 @njit(error_model="numpy")
 def _multiply(numbers, first, rows, columns, work, source, target, apart, onto):
-    """A x of two channels at once, added to what is there if `onto`: x at row `source` and `apart` rows later, A x from `target` in the same way.
+    """A x of two channels at once, added to what is there if `onto`: x at row `source` and `apart`
+    rows later, A x from `target` in the same way.
 
-    A (rows, columns) begins at numbers[first]; its rows come in fours, so that eight sums are in flight."""
+    A (rows, columns) begins at numbers[first]; its rows come in fours, so that eight sums are in
+    flight.
+    """
     for j in range(0, rows, 4):
         at, to, too = first + j * columns, target + j, target + apart + j
         if onto:
-            s0, s1, s2, s3 = load(work, to, WIDTH), load(work, to + 1, WIDTH), load(work, to + 2, WIDTH), load(work, to + 3, WIDTH)
-            t0, t1, t2, t3 = load(work, too, WIDTH), load(work, too + 1, WIDTH), load(work, too + 2, WIDTH), load(work, too + 3, WIDTH)
+            s0, s1, s2, s3 = (
+                get(work, to, WIDTH),
+                get(work, to + 1, WIDTH),
+                get(work, to + 2, WIDTH),
+                get(work, to + 3, WIDTH),
+            )
+            t0, t1, t2, t3 = (
+                get(work, too, WIDTH),
+                get(work, too + 1, WIDTH),
+                get(work, too + 2, WIDTH),
+                get(work, too + 3, WIDTH),
+            )
         else:
             s0 = fill(0.0, WIDTH)
             s1, s2, s3, t0, t1, t2, t3 = s0, s0, s0, s0, s0, s0, s0
         for i in range(columns):
-            x, y = load(work, source + i, WIDTH), load(work, source + apart + i, WIDTH)
-            a0, a1, a2, a3 = numbers[at + i], numbers[at + columns + i], numbers[at + 2 * columns + i], numbers[at + 3 * columns + i]
+            x, y = get(work, source + i, WIDTH), get(work, source + apart + i, WIDTH)
+            a0, a1, a2, a3 = (
+                numbers[at + i],
+                numbers[at + columns + i],
+                numbers[at + 2 * columns + i],
+                numbers[at + 3 * columns + i],
+            )
             s0, s1, s2, s3 = s0 + x * a0, s1 + x * a1, s2 + x * a2, s3 + x * a3
             t0, t1, t2, t3 = t0 + y * a0, t1 + y * a1, t2 + y * a2, t3 + y * a3
-        store(work, to, s0)
-        store(work, to + 1, s1)
-        store(work, to + 2, s2)
-        store(work, to + 3, s3)
-        store(work, too, t0)
-        store(work, too + 1, t1)
-        store(work, too + 2, t2)
-        store(work, too + 3, t3)
+        put(work, to, s0)
+        put(work, to + 1, s1)
+        put(work, to + 2, s2)
+        put(work, to + 3, s3)
+        put(work, too, t0)
+        put(work, too + 1, t1)
+        put(work, too + 2, t2)
+        put(work, too + 3, t3)
 
 
 @njit(error_model="numpy")
 def _network(numbers, first, index, layers, activation, channels, work, wide, begin, end, one, two):
-    """N(y) + L y and its tangents: channel c of y lies `wide` rows after channel c - 1, from row `begin`, and so do the results from `end`.
+    """N(y) + L y and its tangents: channel c of y lies `wide` rows after channel c - 1, from row
+    `begin`, and so do the results from `end`.
 
-    index[layers]: how many layers, then inputs and rows of each; the weights begin at numbers[first], after them L. `one` and `two` are scratch."""
+    index[layers]: how many layers, then inputs and rows of each; the weights begin at
+    numbers[first], after them L. `one` and `two` are scratch.
+    """
     count, at, source = index[layers], first, begin
     for layer in range(count):
         columns, rows = index[layers + 1 + 2 * layer], index[layers + 2 + 2 * layer]
         target = end if layer == count - 1 else one if layer % 2 == 0 else two
         for c in range(0, channels, 2):
-            _multiply(numbers, at, rows, columns, work, source + c * wide, target + c * wide, wide, False)
+            _multiply(
+                numbers, at, rows, columns, work, source + c * wide, target + c * wide, wide, False
+            )
         if layer < count - 1:
             for j in range(rows):
-                value, slope = _activate(activation, load(work, target + j, WIDTH))
-                store(work, target + j, value)
+                value, slope = _activate(activation, get(work, target + j, WIDTH))
+                put(work, target + j, value)
                 for c in range(1, channels):
-                    store(work, target + c * wide + j, slope * load(work, target + c * wide + j, WIDTH))
+                    put(
+                        work,
+                        target + c * wide + j,
+                        slope * get(work, target + c * wide + j, WIDTH),
+                    )
         at += rows * columns
         source = target
     inputs, rows = index[layers + 1], index[layers + 2 * count]
@@ -117,84 +151,192 @@ def _network(numbers, first, index, layers, activation, channels, work, wide, be
 @njit(error_model="numpy")
 def _drawn_back(position, edge):
     """`position` within -edge and edge; NaN stays."""
-    return positive(position - edge, fill(edge, WIDTH), positive(-edge - position, fill(-edge, WIDTH), position))
+    return positive(
+        position - edge, fill(edge, WIDTH), positive(-edge - position, fill(-edge, WIDTH), position)
+    )
 
 
 @field_kernel
 def _force(z, numbers, index, work, out):
-    # index: d, k, rows of the widest layer, activation, rule (0 decoder, 1 decoder_mass, 2 encoder), where encoder, load, edge and mass begin in numbers, where
-    # the encoder's sizes begin in index, then the decoder's. work: four blocks of an even number of channels, then the Gram matrix and its right side.
-    d, k, wide, activation, rule, encoder, load_at, edge_at, mass_at, encoder_layers, decoder_layers = (
-        index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7], index[8], index[9], 10)
+    # index: d, k, rows of the widest layer, activation, rule (0 decoder, 1 decoder_mass, 2
+    # encoder), where encoder, load, edge and mass begin in numbers, where the encoder's sizes begin
+    # in index, then the decoder's. work: four blocks of an even number of channels, then the Gram
+    # matrix and its right side.
+    (
+        d,
+        k,
+        wide,
+        activation,
+        rule,
+        encoder,
+        load_at,
+        edge_at,
+        mass_at,
+        encoder_layers,
+        decoder_layers,
+    ) = (
+        index[0],
+        index[1],
+        index[2],
+        index[3],
+        index[4],
+        index[5],
+        index[6],
+        index[7],
+        index[8],
+        index[9],
+        10,
+    )
     channels = 2 + 2 * (d // 2)  # the value and d tangents, made even by a zero
-    begin, back, one, two, gram = 0, channels * wide, 2 * channels * wide, 3 * channels * wide, 4 * channels * wide
+    begin, back, one, two, gram = (
+        0,
+        channels * wide,
+        2 * channels * wide,
+        3 * channels * wide,
+        4 * channels * wide,
+    )
     right = gram + d * d
     for i in range(d):
-        store(work, begin + i, _drawn_back(load(z, i, WIDTH), numbers[edge_at + i]))
+        put(work, begin + i, _drawn_back(get(z, i, WIDTH), numbers[edge_at + i]))
         for axis in range(channels - 1):
-            store(work, begin + (1 + axis) * wide + i, fill(1.0 if i == axis else 0.0, WIDTH))
-    _network(numbers, 0, index, decoder_layers, activation, channels, work, wide, begin, back, one, two)
+            put(work, begin + (1 + axis) * wide + i, fill(1.0 if i == axis else 0.0, WIDTH))
+    _network(
+        numbers, 0, index, decoder_layers, activation, channels, work, wide, begin, back, one, two
+    )
     if rule == 2:
         for a in range(d):
-            beyond = load(z, a, WIDTH) - _drawn_back(load(z, a, WIDTH), numbers[edge_at + a])
+            beyond = get(z, a, WIDTH) - _drawn_back(get(z, a, WIDTH), numbers[edge_at + a])
             for i in range(k):
-                store(work, back + i, load(work, back + i, WIDTH) + beyond * load(work, back + (1 + a) * wide + i, WIDTH))
+                put(
+                    work,
+                    back + i,
+                    get(work, back + i, WIDTH)
+                    + beyond * get(work, back + (1 + a) * wide + i, WIDTH),
+                )
         for i in range(k):
-            store(work, back + wide + i, fill(numbers[load_at + i], WIDTH))
-        _network(numbers, encoder, index, encoder_layers, activation, 2, work, wide, back, begin, one, two)
+            put(work, back + wide + i, fill(numbers[load_at + i], WIDTH))
+        _network(
+            numbers,
+            encoder,
+            index,
+            encoder_layers,
+            activation,
+            2,
+            work,
+            wide,
+            back,
+            begin,
+            one,
+            two,
+        )
         for i in range(d):
-            store(out, i, fill(0.0, WIDTH))
-            store(out, d + i, load(work, begin + wide + i, WIDTH))
+            put(out, i, fill(0.0, WIDTH))
+            put(out, d + i, get(work, begin + wide + i, WIDTH))
         return
     weighted_by = back
     if rule == 1:
         weighted_by = one
         for c in range(0, channels, 2):
-            _multiply(numbers, mass_at, k + (-k) % 4, k, work, back + c * wide, one + c * wide, wide, False)
+            _multiply(
+                numbers,
+                mass_at,
+                k + (-k) % 4,
+                k,
+                work,
+                back + c * wide,
+                one + c * wide,
+                wide,
+                False,
+            )
     for a in range(d):
         tangent, weighted = back + (1 + a) * wide, weighted_by + (1 + a) * wide
         total = fill(0.0, WIDTH)
         for i in range(k):
-            total = total + load(work, tangent + i, WIDTH) * numbers[load_at + i]
-        store(work, right + a, total)
+            total = total + get(work, tangent + i, WIDTH) * numbers[load_at + i]
+        put(work, right + a, total)
         for b in range(a + 1):
             total = fill(0.0, WIDTH)
             for i in range(k):
-                total = total + load(work, weighted + i, WIDTH) * load(work, back + (1 + b) * wide + i, WIDTH)
-            store(work, gram + a * d + b, total)
-    for a in range(d):  # Cholesky, row by row, and the forward substitution with it; the diagonal keeps 1/L_aa
+                total = total + get(work, weighted + i, WIDTH) * get(
+                    work, back + (1 + b) * wide + i, WIDTH
+                )
+            put(work, gram + a * d + b, total)
+    for a in range(
+        d
+    ):  # Cholesky, row by row, and the forward substitution with it; the diagonal keeps 1/L_aa
         for b in range(a + 1):
-            total = load(work, gram + a * d + b, WIDTH)
+            total = get(work, gram + a * d + b, WIDTH)
             for i in range(b):
-                total = total - load(work, gram + a * d + i, WIDTH) * load(work, gram + b * d + i, WIDTH)
-            store(work, gram + a * d + b, 1.0 / sqrt(total) if a == b else total * load(work, gram + b * d + b, WIDTH))
-        total = load(work, right + a, WIDTH)
+                total = total - get(work, gram + a * d + i, WIDTH) * get(
+                    work, gram + b * d + i, WIDTH
+                )
+            put(
+                work,
+                gram + a * d + b,
+                1.0 / sqrt(total) if a == b else total * get(work, gram + b * d + b, WIDTH),
+            )
+        total = get(work, right + a, WIDTH)
         for i in range(a):
-            total = total - load(work, gram + a * d + i, WIDTH) * load(work, right + i, WIDTH)
-        store(work, right + a, total * load(work, gram + a * d + a, WIDTH))
+            total = total - get(work, gram + a * d + i, WIDTH) * get(work, right + i, WIDTH)
+        put(work, right + a, total * get(work, gram + a * d + a, WIDTH))
     for a in range(d - 1, -1, -1):
-        total = load(work, right + a, WIDTH)
+        total = get(work, right + a, WIDTH)
         for i in range(a + 1, d):
-            total = total - load(work, gram + i * d + a, WIDTH) * load(work, right + i, WIDTH)
-        store(work, right + a, total * load(work, gram + a * d + a, WIDTH))
-        store(out, d + a, load(work, right + a, WIDTH))
-        store(out, a, fill(0.0, WIDTH))
+            total = total - get(work, gram + i * d + a, WIDTH) * get(work, right + i, WIDTH)
+        put(work, right + a, total * get(work, gram + a * d + a, WIDTH))
+        put(out, d + a, get(work, right + a, WIDTH))
+        put(out, a, fill(0.0, WIDTH))
 
 
-def force_kernel(encoder: list[np.ndarray], decoder: list[np.ndarray], encoder_linear: np.ndarray, decoder_linear: np.ndarray, activation: str, load: np.ndarray,
-                 rule: str, mass: np.ndarray | None, edge: np.ndarray) -> Kernel:
-    """The force map of these layers, straight parts and load, all in network units; `mass` (k, k) for the rule decoder_mass; beyond `edge` (d,)
-    the decoder goes on along its tangent."""
-    networks = [[_in_fours(weights) for weights in part] for part in ([*decoder, decoder_linear], [*encoder, encoder_linear])]
-    sizes = [[len(part) - 1, *(size for weights in part[:-1] for size in weights.shape[::-1])] for part in networks]
+def force_kernel(
+    encoder: list[np.ndarray],
+    decoder: list[np.ndarray],
+    encoder_linear: np.ndarray,
+    decoder_linear: np.ndarray,
+    activation: str,
+    load: np.ndarray,
+    rule: str,
+    mass: np.ndarray | None,
+    edge: np.ndarray,
+) -> Kernel:
+    """The force map of these layers, straight parts and load, all in network units; `mass` (k, k)
+    for the rule decoder_mass; beyond `edge` (d,) the decoder goes on along its tangent.
+    """
+    networks = [
+        [_in_fours(weights) for weights in part]
+        for part in ([*decoder, decoder_linear], [*encoder, encoder_linear])
+    ]
+    sizes = [
+        [len(part) - 1, *(size for weights in part[:-1] for size in weights.shape[::-1])]
+        for part in networks
+    ]
     parts = [*networks[0], *networks[1], load, edge, *([] if mass is None else [_in_fours(mass)])]
     begins = np.cumsum([0] + [part.size for part in parts])
     at_encoder, at_load = len(networks[0]), len(networks[0]) + len(networks[1])
-    d, k, wide = decoder_linear.shape[1], len(decoder_linear), max(len(part) for part in parts if part.ndim == 2)
+    d, k, wide = (
+        decoder_linear.shape[1],
+        len(decoder_linear),
+        max(len(part) for part in parts if part.ndim == 2),
+    )
     places = begins[[at_encoder, at_load, at_load + 1, at_load + 2]]
-    index = [d, k, wide, ACTIVATIONS.index(activation), RULES.index(rule), *places, 10 + len(sizes[0]), *sizes[0], *sizes[1]]
+    index = [
+        d,
+        k,
+        wide,
+        ACTIVATIONS.index(activation),
+        RULES.index(rule),
+        *places,
+        10 + len(sizes[0]),
+        *sizes[0],
+        *sizes[1],
+    ]
     rows = 4 * (2 + 2 * (d // 2)) * wide + d * d + d
-    return Kernel(_force, np.concatenate([np.ravel(part) for part in parts]).astype(float), np.array(index, dtype=np.int64), rows)
+    return Kernel(
+        _force,
+        np.concatenate([np.ravel(part) for part in parts]).astype(float),
+        np.array(index, dtype=np.int64),
+        rows,
+    )
 
 
 def _in_fours(weights: np.ndarray) -> np.ndarray:

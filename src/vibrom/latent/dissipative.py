@@ -1,54 +1,82 @@
-"""Dissipative fits: least squares for z'' = g(z, z') under the inequalities that keep one oscillator from gaining energy, inside its data and out.
+"""Dissipative fits: least squares for z'' = g(z, z') under the inequalities that keep one
+oscillator from gaining energy, inside its data and out.
 
-    g = e + o,  e even and o odd in z':      o z' <= 0   (damping),      z e - z'^2 <= -MARGIN (z^2 + z'^2)   (turning),    in units of the range
+    g = e + o,  e even and o odd in z':      o z' <= 0   (damping),      z e - z'^2 <= -MARGIN (z^2
+    + z'^2)   (turning),    in units of the range
 
-Why this is enough: without o the motion is reversible, z'(t) -> -z'(-t), and by turning its angle in the phase plane falls for ever, so every orbit crosses the
-z axis twice and, being its own mirror image, closes. With o the flow crosses each of these closed orbits inwards, for  z' (e + o) - e z' = o z' <= 0. So an
-unforced motion shrinks from any start, and a forced one has no well to leave. The closed orbits need no formula; with e = a + b z'^2 they are the level sets
-of the energy  m z'^2/2 + V,  m = exp(-2 int b),  V' = -m a.
+Why this is enough: without o the motion is reversible, z'(t) -> -z'(-t), and by turning its angle
+in the phase plane falls for ever, so every orbit crosses the z axis twice and, being its own mirror
+image, closes. With o the flow crosses each of these closed orbits inwards, for  z' (e + o) - e z' =
+o z' <= 0. So an unforced motion shrinks from any start, and a forced one has no well to leave. The
+closed orbits need no formula; with e = a + b z'^2 they are the level sets of the energy  m z'^2/2 +
+V,  m = exp(-2 int b),  V' = -m a.
 
-Both conditions are linear in the coefficients. They are asked for on rays of the training ellipse, at radii up to one and for the slope at one; beyond, with the
-linear continuation of `extrapolation`, g along a ray is affine in the radius, so they hold everywhere. The least squares problem with them is Lawson and Hanson's
-LDP (Solving Least Squares Problems, chapter 23): with A = QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one non-negative least squares.
+Both conditions are linear in the coefficients. They are asked for on rays of the training ellipse,
+at radii up to one and for the slope at one; beyond, with the linear continuation of
+`extrapolation`, g along a ray is affine in the radius, so they hold everywhere. The least squares
+problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems, chapter 23): with A =
+QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one non-negative least squares.
 """
 
 import numpy as np
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.rom import MethodError
+from vibrom.models.rom import MethodError
 
-MARGIN = 0.05  # of the turning at rest, which is one in units of the range: the softest restoring force that a fit may choose
+# of the turning at rest, which is one in units of the range: the softest restoring force that a fit
+# may choose
+MARGIN = 0.05
 RAYS, RADII = 90, 12  # of a half ellipse; what is not mirrored by parity
 
 
-def fit_dissipative(motion: tuple[np.ndarray, ...], reach: np.ndarray, scale: np.ndarray, order: int) -> np.ndarray:
-    """R (l,) of  z'' = sum_k R_k (z/s)^i (z'/s')^j  over all monomials 1..order, from z, z' and z'' (m, 1); reach and scale are (2,)."""
+def fit_dissipative(
+    motion: tuple[np.ndarray, ...], reach: np.ndarray, scale: np.ndarray, order: int
+) -> np.ndarray:
+    """R (l,) of  z'' = sum_k R_k (z/s)^i (z'/s')^j  over all monomials 1..order, from z, z' and z''
+    (m, 1); reach and scale are (2,).
+    """
     z, velocity, acceleration = motion
     if z.shape[1] != 1:
-        raise MethodError(f"a dissipative fit is for one reduced position, and this model has {z.shape[1]}; set dissipative: 0, or modes or latent to 1")
+        raise MethodError(
+            f"a dissipative fit is for one reduced position, and this model has {z.shape[1]}; set dissipative: 0, or modes or latent to 1"
+        )
     powers, unit = exponents(2, 1, order), reach[1] ** 2 / reach[0]
     library = monomials(np.hstack([z, velocity]) / reach, powers)
-    return unit * constrained_least_squares(library, acceleration[:, 0] / unit, *conditions(powers)) * np.prod((scale / reach) ** powers, axis=1)
+    return (
+        unit
+        * constrained_least_squares(library, acceleration[:, 0] / unit, *conditions(powers))
+        * np.prod((scale / reach) ** powers, axis=1)
+    )
 
 
 def conditions(powers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(rows, bounds): rows R <= bounds holds where the model is damped and turns, in units of the range."""
+    """(rows, bounds): rows R <= bounds holds where the model is damped and turns, in units of the
+    range.
+    """
     angle = (np.arange(RAYS) + 0.5) * np.pi / RAYS
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     ray = np.concatenate([ray, -ray])
     degree, odd = powers.sum(axis=1), powers[:, 1] % 2 == 1
     edge = monomials(ray, powers)
-    inside = [edge * radius**degree / radius for radius in np.arange(1, RADII + 1) / RADII]  # over the radius, so that small ones count
+    inside = [
+        edge * radius**degree / radius for radius in np.arange(1, RADII + 1) / RADII
+    ]  # over the radius, so that small ones count
     values = np.concatenate([*inside, edge * degree])
     z, velocity = (np.tile(part, RADII + 1)[:, None] for part in ray.T)
     damping = np.where(odd, values, 0.0) * velocity
     turning = np.where(odd, 0.0, values) * z
-    return np.concatenate([damping, turning]), np.concatenate([np.zeros(len(damping)), velocity[:, 0] ** 2 - MARGIN])
+    return np.concatenate([damping, turning]), np.concatenate(
+        [np.zeros(len(damping)), velocity[:, 0] ** 2 - MARGIN]
+    )
 
 
-def constrained_least_squares(matrix: np.ndarray, target: np.ndarray, rows: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+def constrained_least_squares(
+    matrix: np.ndarray, target: np.ndarray, rows: np.ndarray, bounds: np.ndarray
+) -> np.ndarray:
     """The x with the smallest |matrix x - target| among those with  rows x <= bounds."""
-    from scipy.optimize import nnls  # slow to import, and most jobs only ask models that are fitted already
+    from scipy.optimize import (
+        nnls,
+    )  # slow to import, and most jobs only ask models that are fitted already
 
     free = least_squares(matrix, target[:, None])[0]
     if np.all(rows @ free <= bounds):

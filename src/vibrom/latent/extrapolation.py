@@ -1,10 +1,14 @@
-"""Bounded extrapolation: beyond its training range a polynomial goes on as a straight line along the radius.
+"""Bounded extrapolation: beyond its training range a polynomial goes on as a straight line along
+the radius.
 
-    rho_i = |(z_i / Z_i, z'_i / Z'_i)|,   c_i = (z_i, z'_i) / max(1, rho_i),   f(z) -> f(c) + Df(c) (z - c)
+    rho_i = |(z_i / Z_i, z'_i / Z'_i)|,   c_i = (z_i, z'_i) / max(1, rho_i),   f(z) -> f(c) + Df(c)
+    (z - c)
 
-Z and Z' are the largest position and velocity of the training data. A decay fills the ellipse rho <= 1 of each oscillator, not the box around it: in the
-corners of the box a polynomial extrapolates already. Inside nothing changes; across the ellipse f and its gradient are continuous, and outside f grows no
-faster than its first derivatives at the edge of the data, where a polynomial of degree p grows like rho^p and runs away.
+Z and Z' are the largest position and velocity of the training data. A decay fills the ellipse rho
+<= 1 of each oscillator, not the box around it: in the corners of the box a polynomial extrapolates
+already. Inside nothing changes; across the ellipse f and its gradient are continuous, and outside f
+grows no faster than its first derivatives at the edge of the data, where a polynomial of degree p
+grows like rho^p and runs away.
 """
 
 import numpy as np
@@ -13,7 +17,7 @@ from vibrom.latent.polynomial import monomials, slopes
 
 
 def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """c (*batch, 2d) of z (*batch, 2d): positions, then velocities; reach (2d,)."""
+    """C (*batch, 2d) of z (*batch, 2d): positions, then velocities; reach (2d,)."""
     d = len(reach) // 2
     square = ((z / reach) ** 2).reshape(*z.shape[:-1], 2, d).sum(axis=-2)
     # Not by a division of the radius by itself: inside, c is z to the last bit.
@@ -21,7 +25,9 @@ def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
     return z * np.concatenate([shrink, shrink], axis=-1)
 
 
-def continued(z: np.ndarray, scale: np.ndarray, reach: np.ndarray, powers: np.ndarray) -> np.ndarray:
+def continued(
+    z: np.ndarray, scale: np.ndarray, reach: np.ndarray, powers: np.ndarray
+) -> np.ndarray:
     """(*batch, l): the monomials Phi(z / s), continued along the radius beyond `reach`."""
     c = drawn_back(z, reach)
     return monomials(c / scale, powers) + slopes(c / scale, powers, (z - c) / scale)

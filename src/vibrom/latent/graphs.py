@@ -1,4 +1,5 @@
-"""A step of training as one graph of CUDA kernels, launched at once: on a GPU, launching a small network's kernels one by one takes longer than running them.
+"""A step of training as one graph of CUDA kernels, launched at once: on a GPU, launching a small
+network's kernels one by one takes longer than running them.
 
 See the section on CUDA graphs of torch's notes on CUDA semantics.
 """
@@ -10,10 +11,14 @@ import torch
 REHEARSALS = 3  # torch's libraries take their workspace in the first calls, outside of the graph
 
 
-def captured(step: Callable[[], None], changed: Sequence[torch.Tensor], device: torch.device) -> Callable[[], None]:
-    """The same as `step`, which must do the same work on the same memory at every call; `changed`: all tensors that it changes and reads again.
+def captured(
+    step: Callable[[], None], changed: Sequence[torch.Tensor], device: torch.device
+) -> Callable[[], None]:
+    """The same as `step`, which must do the same work on the same memory at every call; `changed`:
+    all tensors that it changes and reads again.
 
-    On a CPU that is `step` itself. Nothing is trained here: the tensors are put back after the rehearsals.
+    On a CPU that is `step` itself. Nothing is trained here: the tensors are put back after the
+    rehearsals.
     """
     if device.type != "cuda":
         return step

@@ -2,7 +2,8 @@
 
     Phi_k(y) = prod_i y_i^e_ki,    f(y) = sum_k R_k Phi_k(y)
 
-with every monomial of total degree lowest..highest in graded order: y1, y2, y1^2, y1 y2, y2^2, ... Any order, any dimension.
+with every monomial of total degree lowest..highest in graded order: y1, y2, y1^2, y1 y2, y2^2, ...
+Any order, any dimension.
 """
 
 from functools import lru_cache
@@ -14,15 +15,20 @@ import numpy as np
 @lru_cache(maxsize=64)
 def exponents(dimension: int, lowest: int, highest: int) -> np.ndarray:
     """(l, dimension) exponents of all monomials of total degree lowest..highest."""
-    rows = [np.bincount(np.array(combination, int), minlength=dimension)
-            for degree in range(lowest, highest + 1) for combination in combinations_with_replacement(range(dimension), degree)]
+    rows = [
+        np.bincount(np.array(combination, int), minlength=dimension)
+        for degree in range(lowest, highest + 1)
+        for combination in combinations_with_replacement(range(dimension), degree)
+    ]
     table = np.array(rows, dtype=np.int64).reshape(-1, dimension)
     table.setflags(write=False)
     return table
 
 
 def monomials(y: np.ndarray, powers: np.ndarray) -> np.ndarray:
-    """(*batch, l) values of the monomials with exponents `powers` (l, dimension) at y (*batch, dimension)."""
+    """(*batch, l) values of the monomials with exponents `powers` (l, dimension) at y (*batch,
+    dimension).
+    """
     if len(powers) == 0:
         return np.zeros((*y.shape[:-1], 0))
     table = np.ones((int(powers.max()) + 1, *y.shape))
@@ -35,7 +41,9 @@ def monomials(y: np.ndarray, powers: np.ndarray) -> np.ndarray:
 
 
 def slopes(y: np.ndarray, powers: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """(*batch, l) derivatives of the monomials at y along a direction (*batch, dimension):  sum_i e_i Phi / y_i along_i."""
+    """(*batch, l) derivatives of the monomials at y along a direction (*batch, dimension):  sum_i
+    e_i Phi / y_i along_i.
+    """
     total = np.zeros((*y.shape[:-1], len(powers)))
     for axis in range(y.shape[-1]):
         (rising,) = np.nonzero(powers[:, axis])
@@ -48,7 +56,8 @@ def slopes(y: np.ndarray, powers: np.ndarray, along: np.ndarray) -> np.ndarray:
 def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
     """R (m, l) that minimises |target - library R'|; library (samples, l), target (samples, m).
 
-    Columns are scaled to unit length first, so that the rank decision of the SVD does not depend on the units of the variables.
+    Columns are scaled to unit length first, so that the rank decision of the SVD does not depend on
+    the units of the variables.
     """
     size = np.linalg.norm(library, axis=0)
     size[size == 0.0] = 1.0

@@ -1,18 +1,20 @@
 """The training loop of the autoencoders.
 
-    L = |c - v(w(c))|^2 + l1 |G (c'' - d2/dtau2 v(z))|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f = R0 (z, z') + Xi Theta(z, z')
+    L = |c - v(w(c))|^2 + l1 |G (c'' - d2/dtau2 v(z))|^2 + l2 |z'' - f(z, z')|^2 + l3 |Xi|_1,    f =
+    R0 (z, z') + Xi Theta(z, z')
 
-means over samples of squared norms, with z'' = f in the second term; without dynamics only the first is left. G is one where no norm is given. All that is
-learnt is one vector, so that a checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched between two rows of the
-history.
+means over samples of squared norms, with z'' = f in the second term; without dynamics only the
+first is left. G is one where no norm is given. All that is learnt is one vector, so that a
+checkpoint is that vector, the optimiser's state and the generator. On a GPU nothing is fetched
+between two rows of the history.
 """
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from math import ceil, cos, pi
-from typing import Iterator
 
 import numpy as np
 import torch
@@ -20,7 +22,7 @@ import torch
 from vibrom.latent.autoencoder import Autoencoder, Polynomial
 from vibrom.latent.graphs import captured
 from vibrom.latent.optimisers import OPTIMISERS, Adam, Soap
-from vibrom.rom import MethodError, Monitor, TrainingDiverged
+from vibrom.models.rom import MethodError, Monitor, TrainingDiverged
 
 ROWS = 100
 CHECKPOINT_SECONDS = 5.0
@@ -28,8 +30,9 @@ CHECKPOINT_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Dynamics:
-    """R0 (d, 2d) or None, exponents (l, 2d) of Theta, first value of Xi, how much faster than weights it moves, the weights of the losses, and G (k, k) or
-    None."""
+    """R0 (d, 2d) or None, exponents (l, 2d) of Theta, first value of Xi, how much faster than
+    weights it moves, the weights of the losses, and G (k, k) or None.
+    """
 
     linear: np.ndarray | None
     powers: np.ndarray
@@ -54,13 +57,17 @@ class Schedule:
     optimiser: str
 
     def rate_at(self, step: int, steps: int) -> float:
-        """Learning rate of this step: constant, or up by cosine over the first 30 % and down to nothing."""
+        """Learning rate of this step: constant, or up by cosine over the first 30 % and down to
+        nothing.
+        """
         if self.rate == "constant":
             return self.learning_rate
         top = 0.3 * steps
         if step < top:
             return self.learning_rate * (0.04 + 0.96 * (1.0 - cos(pi * step / top)) / 2.0)
-        return self.learning_rate * (1e-4 + (1.0 + cos(pi * (step - top) / max(steps - top, 1.0))) / 2.0)
+        return self.learning_rate * (
+            1e-4 + (1.0 + cos(pi * (step - top) / max(steps - top, 1.0))) / 2.0
+        )
 
 
 def pick_device(name: str) -> torch.device:
@@ -73,8 +80,12 @@ def pick_device(name: str) -> torch.device:
 
 
 def warm_up(device: torch.device) -> None:
-    """Five steps on next to nothing: torch loads and compiles what that needs at its first use, and that is no training time."""
-    learner = Learner(Autoencoder((2, 2, 1), "silu"), None, torch.float32, device, torch.Generator())
+    """Five steps on next to nothing: torch loads and compiles what that needs at its first use, and
+    that is no training time.
+    """
+    learner = Learner(
+        Autoencoder((2, 2, 1), "silu"), None, torch.float32, device, torch.Generator()
+    )
     nothing = torch.zeros(1, 1, 2, device=device)
     schedule = Schedule(5, 0, False, 1e-3, "constant", "float32", "soap")
     for _ in epochs(learner, Soap(learner.vector, learner.shapes), schedule, nothing):
@@ -82,24 +93,56 @@ def warm_up(device: torch.device) -> None:
 
 
 class Learner:
-    """Autoencoder, dynamics, and one vector for all that is learnt: the weights, then Xi over its gain."""
+    """Autoencoder, dynamics, and one vector for all that is learnt: the weights, then Xi over its
+    gain.
+    """
 
-    def __init__(self, autoencoder: Autoencoder, dynamics: Dynamics | None, dtype: torch.dtype, device: torch.device, generator: torch.Generator):
+    def __init__(
+        self,
+        autoencoder: Autoencoder,
+        dynamics: Dynamics | None,
+        dtype: torch.dtype,
+        device: torch.device,
+        generator: torch.Generator,
+    ):
         self.autoencoder, self.dynamics = autoencoder, dynamics
         parts = autoencoder.initial(generator)
         if dynamics:
-            parts.append(torch.full((autoencoder.sizes[-1], len(dynamics.powers)), dynamics.initial / dynamics.gain, dtype=torch.float64))
-            self.linear = None if dynamics.linear is None else torch.tensor(dynamics.linear, dtype=dtype, device=device)
-            self.norm = None if dynamics.norm is None else torch.tensor(dynamics.norm, dtype=dtype, device=device)
+            parts.append(
+                torch.full(
+                    (autoencoder.sizes[-1], len(dynamics.powers)),
+                    dynamics.initial / dynamics.gain,
+                    dtype=torch.float64,
+                )
+            )
+            self.linear = (
+                None
+                if dynamics.linear is None
+                else torch.tensor(dynamics.linear, dtype=dtype, device=device)
+            )
+            self.norm = (
+                None
+                if dynamics.norm is None
+                else torch.tensor(dynamics.norm, dtype=dtype, device=device)
+            )
             self.polynomial = Polynomial(dynamics.powers, device)
         self.shapes = [part.shape for part in parts]
         self.vector = torch.cat([part.flatten() for part in parts]).to(dtype=dtype, device=device)
         self.gradient = torch.zeros_like(self.vector)
         self.parts, self.slopes = self._views(self.vector), self._views(self.gradient)
-        self.terms = ("total", "reconstruction", "acceleration_full", "acceleration_reduced") if dynamics else ("total", "reconstruction")
+        self.terms = (
+            ("total", "reconstruction", "acceleration_full", "acceleration_reduced")
+            if dynamics
+            else ("total", "reconstruction")
+        )
 
     def _views(self, vector: torch.Tensor) -> list[torch.Tensor]:
-        return [part.view(shape) for part, shape in zip(vector.split([shape.numel() for shape in self.shapes]), self.shapes)]
+        return [
+            part.view(shape)
+            for part, shape in zip(
+                vector.split([shape.numel() for shape in self.shapes]), self.shapes
+            )
+        ]
 
     def learnt(self) -> list[np.ndarray]:
         """The weights and, last, Xi."""
@@ -115,7 +158,9 @@ class Learner:
             error = back.sub_(c[:1])
             mean = mean_square(error[0])
             if learn:
-                g = self.autoencoder.decode_backward(error.mul_(twice), z, self.parts, again, self.slopes)
+                g = self.autoencoder.decode_backward(
+                    error.mul_(twice), z, self.parts, again, self.slopes
+                )
                 self.autoencoder.encode_backward(g, self.parts, there, self.slopes)
             return torch.stack([mean, mean])
         dynamics, coefficients = self.dynamics, self.dynamics.gain * self.parts[-1]
@@ -161,18 +206,28 @@ def mean_square(residual: torch.Tensor) -> torch.Tensor:
     return flat.dot(flat) / len(residual)
 
 
-def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tensor, generator: torch.Generator | None = None,
-           first: int = 0) -> Iterator[tuple[int, torch.Tensor]]:
-    """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean losses.
+def epochs(
+    learner: Learner,
+    optimiser: Adam,
+    schedule: Schedule,
+    c: torch.Tensor,
+    generator: torch.Generator | None = None,
+    first: int = 0,
+) -> Iterator[tuple[int, torch.Tensor]]:
+    """Trains on c (3, sample, k), and yields after every epoch its number, from one, and its mean
+    losses.
 
-    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient, moments and losses stay where they are in memory, so a
-    step is the same work on the same addresses every time, and a GPU gets it as one graph.
+    No value is fetched, so a GPU never waits for the host; samples, rate, weights, gradient,
+    moments and losses stay where they are in memory, so a step is the same work on the same
+    addresses every time, and a GPU gets it as one graph.
     """
     samples = c.shape[1]
     batch = min(schedule.batch or samples, samples)
     batches = ceil(samples / batch)
     steps = schedule.epochs * batches
-    rates = torch.tensor([schedule.rate_at(step, steps) for step in range(steps)], dtype=torch.float64).to(c.device)
+    rates = torch.tensor(
+        [schedule.rate_at(step, steps) for step in range(steps)], dtype=torch.float64
+    ).to(c.device)
     rate = torch.zeros_like(rates[0])
     sums = torch.zeros(len(learner.terms), dtype=c.dtype, device=c.device)
 
@@ -184,9 +239,13 @@ def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tenso
     sizes = {batch, samples - (batches - 1) * batch}
     places = {size: c if batches == 1 else c[:, :size].clone() for size in sizes}
     changed = [learner.vector, sums, *optimiser.state.values()]
-    learn = {size: captured(partial(step, place), changed, c.device) for size, place in places.items()}
+    learn = {
+        size: captured(partial(step, place), changed, c.device) for size, place in places.items()
+    }
     for epoch in range(first, schedule.epochs):
-        order = torch.randperm(samples, generator=generator).to(c.device) if schedule.shuffle else None
+        order = (
+            torch.randperm(samples, generator=generator).to(c.device) if schedule.shuffle else None
+        )
         sums.zero_()
         for index in range(batches):
             begin, number = index * batch, epoch * batches + index
@@ -201,9 +260,21 @@ def epochs(learner: Learner, optimiser: Adam, schedule: Schedule, c: torch.Tenso
         yield epoch + 1, sums
 
 
-def train(autoencoder: Autoencoder, dynamics: Dynamics | None, schedule: Schedule, train_stack: np.ndarray, test_stack: np.ndarray | None,
-          *, seed: int, device: torch.device, monitor: Monitor, label: str = "") -> list[np.ndarray]:
-    """The learnt weights and, last, Xi. `label` and the data tell checkpoints of one training from those of another."""
+def train(
+    autoencoder: Autoencoder,
+    dynamics: Dynamics | None,
+    schedule: Schedule,
+    train_stack: np.ndarray,
+    test_stack: np.ndarray | None,
+    *,
+    seed: int,
+    device: torch.device,
+    monitor: Monitor,
+    label: str = "",
+) -> list[np.ndarray]:
+    """The learnt weights and, last, Xi. `label` and the data tell checkpoints of one training from
+    those of another.
+    """
     label = f"{label} {sha256(np.ascontiguousarray(train_stack)).hexdigest()}"
     dtype = getattr(torch, schedule.precision)
     generator = torch.Generator().manual_seed(seed)
@@ -224,27 +295,64 @@ def train(autoencoder: Autoencoder, dynamics: Dynamics | None, schedule: Schedul
     return learner.learnt()
 
 
-def _record(learner: Learner, sums: torch.Tensor, test, epoch: int, epochs: int, history: dict[str, list[float]], monitor: Monitor) -> None:
+def _record(
+    learner: Learner,
+    sums: torch.Tensor,
+    test,
+    epoch: int,
+    epochs: int,
+    history: dict[str, list[float]],
+    monitor: Monitor,
+) -> None:
     row = {f"train_{name}": value for name, value in zip(learner.terms, sums.tolist())}
     if not np.isfinite(row["train_total"]):
-        raise TrainingDiverged(f"the loss is {row['train_total']} at epoch {epoch} of {epochs}; lower learning_rate")
+        raise TrainingDiverged(
+            f"the loss is {row['train_total']} at epoch {epoch} of {epochs}; lower learning_rate"
+        )
     if test is not None:
-        row |= {f"test_{name}": value for name, value in zip(learner.terms, learner.losses(test, learn=False).tolist())}
+        row |= {
+            f"test_{name}": value
+            for name, value in zip(learner.terms, learner.losses(test, learn=False).tolist())
+        }
     for name, value in {"epoch": epoch, **row}.items():
         history.setdefault(name, []).append(value)
     monitor.epoch(epoch, epochs, row)
 
 
-def _state(label: str, epoch: int, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]]) -> dict:
+def _state(
+    label: str,
+    epoch: int,
+    learner: Learner,
+    optimiser: Adam,
+    generator: torch.Generator,
+    history: dict[str, list[float]],
+) -> dict:
     """All that the rest of the training depends on, as arrays, numbers and strings."""
-    remembered = {f"optimiser_{name}": value.cpu().numpy().copy() for name, value in optimiser.state.items()}
-    return {"label": label, "epoch": epoch, "parameters": learner.vector.cpu().numpy().copy(), **remembered,
-            "generator": generator.get_state().numpy().copy(), **{f"history_{name}": np.array(values) for name, values in history.items()}}
+    remembered = {
+        f"optimiser_{name}": value.cpu().numpy().copy() for name, value in optimiser.state.items()
+    }
+    return {
+        "label": label,
+        "epoch": epoch,
+        "parameters": learner.vector.cpu().numpy().copy(),
+        **remembered,
+        "generator": generator.get_state().numpy().copy(),
+        **{f"history_{name}": np.array(values) for name, values in history.items()},
+    }
 
 
-def _restore(monitor: Monitor, label: str, learner: Learner, optimiser: Adam, generator: torch.Generator, history: dict[str, list[float]],
-             epochs: int) -> int:
-    """Takes up an interrupted training: puts everything back, tells the monitor the rows it had, and gives the epoch to go on from."""
+def _restore(
+    monitor: Monitor,
+    label: str,
+    learner: Learner,
+    optimiser: Adam,
+    generator: torch.Generator,
+    history: dict[str, list[float]],
+    epochs: int,
+) -> int:
+    """Takes up an interrupted training: puts everything back, tells the monitor the rows it had,
+    and gives the epoch to go on from.
+    """
     state = monitor.restore()
     if state is None or str(state["label"]) != label:
         return 0
@@ -252,7 +360,11 @@ def _restore(monitor: Monitor, label: str, learner: Learner, optimiser: Adam, ge
     for name, value in optimiser.state.items():
         value.copy_(torch.from_numpy(np.asarray(state[f"optimiser_{name}"])))
     generator.set_state(torch.from_numpy(np.array(state["generator"])))
-    history |= {name.removeprefix("history_"): np.asarray(values).tolist() for name, values in state.items() if name.startswith("history_")}
+    history |= {
+        name.removeprefix("history_"): np.asarray(values).tolist()
+        for name, values in state.items()
+        if name.startswith("history_")
+    }
     for row in zip(*history.values()):
         values = dict(zip(history, row))
         monitor.epoch(int(values.pop("epoch")), epochs, values)

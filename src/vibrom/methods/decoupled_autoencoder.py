@@ -2,7 +2,8 @@
 
     min |q - v(w(q))|^2,    then    d/dt (z, z') = R Phi(z, z')    by least squares
 
-with all monomials 1..p of the encoded positions z = w(q) and velocities z' = w'(q) q'. Needs no operators.
+with all monomials 1..p of the encoded positions z = w(q) and velocities z' = w'(q) q'. Needs no
+operators.
 """
 
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrom.latent.autoencoder_method import AutoencoderMethod, fit_first_order
-from vibrom.rom import Training
+from vibrom.models.rom import Training
 
 
 @dataclass(frozen=True)
@@ -18,5 +19,11 @@ class DecoupledAutoencoder(AutoencoderMethod):
     epochs: int = 350
     amplitude_power: float = -0.25  # of a sample's weight in the least squares
 
-    def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
+    def coefficients(
+        self,
+        motion: tuple[np.ndarray, ...],
+        learnt: np.ndarray | None,
+        training: Training,
+        rate: float,
+    ) -> np.ndarray:
         return fit_first_order(motion, self.order, None, self.amplitude_power)

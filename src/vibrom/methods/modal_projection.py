@@ -1,4 +1,5 @@
-"""Modal projection:  q = phi z,  z = phi' M q, and first-order polynomial dynamics by ordinary least squares.
+"""Modal projection:  q = phi z,  z = phi' M q, and first-order polynomial dynamics by ordinary
+least squares.
 
     d/dt (z, z') = R Phi(z, z'),    R = argmin sum_j |d/dt (z, z')_j - R Phi_j|^2
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.latent.polynomial_rom import PolynomialRom
-from vibrom.rom import Method, Training
+from vibrom.models.rom import Method, Training
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,13 @@ class ModalProjection(Method):
             phi = structure.leading(self.modes)
             encoder = (structure.mass @ phi.T).T
             n, d = phi.shape[1], self.modes
-            z = np.concatenate([training.joined("displacement") @ encoder.T, training.joined("velocity") @ encoder.T], axis=1)
+            z = np.concatenate(
+                [
+                    training.joined("displacement") @ encoder.T,
+                    training.joined("velocity") @ encoder.T,
+                ],
+                axis=1,
+            )
             rate = np.concatenate([z[:, d:], training.joined("acceleration") @ encoder.T], axis=1)
             decoder = np.zeros((2 * n, 2 * d))
             decoder[:n, :d] = decoder[n:, d:] = phi.T
@@ -33,4 +40,13 @@ class ModalProjection(Method):
             reach = np.abs(z).max(axis=0)
             powers = exponents(2 * d, 1, self.order)
             dynamics = least_squares(monomials(z / reach, powers), rate)
-        return PolynomialRom(reach, encoder, reach, decoder * reach, np.eye(2 * d, dtype=np.int64), dynamics, powers, phi)
+        return PolynomialRom(
+            reach,
+            encoder,
+            reach,
+            decoder * reach,
+            np.eye(2 * d, dtype=np.int64),
+            dynamics,
+            powers,
+            phi,
+        )

@@ -1,9 +1,11 @@
 """Autoencoder and dynamics together, nothing known beforehand.
 
-    min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,    z = w(q)
+    min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,    z =
+    w(q)
 
-Theta holds all monomials 1..p and no constant; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and `acceleration_reduced`. Needs no operators.
-The weights are small: one coordinate follows the accelerations far less closely than the displacements.
+Theta holds all monomials 1..p and no constant; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and
+`acceleration_reduced`. Needs no operators. The weights are small: one coordinate follows the
+accelerations far less closely than the displacements.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ import numpy as np
 from vibrom.latent.autoencoder_method import AutoencoderMethod
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents
-from vibrom.rom import Training
+from vibrom.models.rom import Training
 
 if TYPE_CHECKING:
     from vibrom.latent.training import Dynamics
@@ -34,8 +36,21 @@ class SindyAutoencoder(AutoencoderMethod):
         from vibrom.latent.training import Dynamics
 
         balance = float(np.sum(stack[0] ** 2) / np.sum(stack[2] ** 2))
-        return Dynamics(None, exponents(2 * self.latent, 1, self.order), self.first_coefficient, self.coefficient_gain,
-                        self.acceleration_full * balance, self.acceleration_reduced * balance, self.sparsity)
+        return Dynamics(
+            None,
+            exponents(2 * self.latent, 1, self.order),
+            self.first_coefficient,
+            self.coefficient_gain,
+            self.acceleration_full * balance,
+            self.acceleration_reduced * balance,
+            self.sparsity,
+        )
 
-    def coefficients(self, motion: tuple[np.ndarray, ...], learnt: np.ndarray | None, training: Training, rate: float) -> np.ndarray:
+    def coefficients(
+        self,
+        motion: tuple[np.ndarray, ...],
+        learnt: np.ndarray | None,
+        training: Training,
+        rate: float,
+    ) -> np.ndarray:
         return learnt

@@ -2,7 +2,8 @@
 
     d/dt (z, z') = R0 (z, z') + R Phi(z, z')
 
-R0 is the known linear part, Phi the monomials 2..p, and R comes by least squares from the encoded motion, every amplitude alike (`amplitude_power`).
+R0 is the known linear part, Phi the monomials 2..p, and R comes by least squares from the encoded
+motion, every amplitude alike (`amplitude_power`).
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +11,7 @@ from dataclasses import dataclass, replace
 from vibrom.latent.autoencoder_method import fit_first_order, scaled_motion
 from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom
 from vibrom.latent.coordinates import linear_dynamics
-from vibrom.rom import Method, MethodError, Training
+from vibrom.models.rom import Method, MethodError, Training
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,16 @@ class SplitPlus(Method):
     def fit(self, training: Training) -> AutoencoderRom:
         start = training.start
         if not isinstance(start, AutoencoderRom):
-            raise MethodError(f"split_plus starts from a fitted autoencoder, and was given {type(start).__name__}; set starts_from: split")
+            raise MethodError(
+                f"split_plus starts from a fitted autoencoder, and was given {type(start).__name__}; set starts_from: split"
+            )
         with training.monitor.phase("dynamics"):
-            linear = linear_dynamics(training.require_structure("split_plus"), start.latent, float(start.rate))
-            coefficients = fit_first_order(scaled_motion(start, training), self.order, linear, self.amplitude_power)
-        return replace(start, coefficients=coefficients, order=self.order, force_rule=self.force_rule)
+            linear = linear_dynamics(
+                training.require_structure("split_plus"), start.latent, float(start.rate)
+            )
+            coefficients = fit_first_order(
+                scaled_motion(start, training), self.order, linear, self.amplitude_power
+            )
+        return replace(
+            start, coefficients=coefficients, order=self.order, force_rule=self.force_rule
+        )

@@ -1,4 +1,6 @@
-"""Captions: a bold title and plain paragraphs of reStructuredText, the same for Snakemake's report and for the page."""
+"""Captions: a bold title and plain paragraphs of reStructuredText, the same for Snakemake's report
+and for the page.
+"""
 
 import re
 from typing import NamedTuple
@@ -14,5 +16,7 @@ def parse(text: str, where: str) -> Caption:
     blocks = [" ".join(block.split()) for block in re.split(r"\n\s*\n", text.strip())]
     match = re.fullmatch(r"\*\*(.+)\*\*", blocks[0]) if blocks else None
     if match is None:
-        raise ValueError(f"{where}: a caption begins with its title as **bold** line; write one and an empty line")
+        raise ValueError(
+            f"{where}: a caption begins with its title as **bold** line; write one and an empty line"
+        )
     return Caption(match.group(1), tuple(block.replace("``", "") for block in blocks[1:]))

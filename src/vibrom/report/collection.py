@@ -1,6 +1,8 @@
-"""The datasets of a run, found by scene, model, seed and name, and opened only when a table or figure asks for them.
+"""The datasets of a run, found by scene, model, seed and name, and opened only when a table or
+figure asks for them.
 
-A model is `full_order` or a method's name; a seed is the name of its folder: `seed_0`, `seed_1`, ... or `unseeded`.
+A model is `full_order` or a method's name; a seed is the name of its folder: `seed_0`, `seed_1`,
+... or `unseeded`.
 """
 
 import json
@@ -26,7 +28,9 @@ class Collection:
     @property
     def methods(self) -> list[str]:
         """Reduced models, in the order of the run."""
-        return [model for model in dict.fromkeys(key[1] for key in self.loaders) if model != FULL_ORDER]
+        return [
+            model for model in dict.fromkeys(key[1] for key in self.loaders) if model != FULL_ORDER
+        ]
 
     def seeds(self, scene: str, method: str) -> list[str]:
         return list(dict.fromkeys(key[2] for key in self.loaders if key[:2] == (scene, method)))
@@ -47,12 +51,16 @@ def scalar(dataset: xr.Dataset | None, name: str, default=np.nan):
 
 
 def described(dataset: xr.Dataset, block: str) -> dict:
-    """A block of the scene that a structure carries as an attribute: `body`, `effects`; empty where it does not."""
+    """A block of the scene that a structure carries as an attribute: `body`, `effects`; empty where
+    it does not.
+    """
     return json.loads(dataset.attrs.get(block, "{}"))
 
 
 def answered(dataset: xr.Dataset | None) -> bool:
-    """Whether there are values; a model that could not be fitted leaves a dataset with an outcome and nothing else."""
+    """Whether there are values; a model that could not be fitted leaves a dataset with an outcome
+    and nothing else.
+    """
     return dataset is not None and "nothing" not in dataset.dims
 
 

@@ -1,9 +1,9 @@
 """Scores over seeds: median, smallest and largest value, and what became of the seeds.
 
-A seed that failed has no value. For an error it counts as infinitely large: when that makes the median infinite, the
-median is a failure and has no value (NaN), and neither has the maximum as soon as one seed failed. For quantities
-without a worst side (eigenvalues, run times, errors with a sign) failed seeds are left out, and the median has no value
-when as many seeds failed as did not.
+A seed that failed has no value. For an error it counts as infinitely large: when that makes the
+median infinite, the median is a failure and has no value (NaN), and neither has the maximum as soon
+as one seed failed. For quantities without a worst side (eigenvalues, run times, errors with a sign)
+failed seeds are left out, and the median has no value when as many seeds failed as did not.
 """
 
 from collections import Counter
@@ -36,7 +36,9 @@ def seed_label(seed) -> str:
 
 
 def spread(values: np.ndarray, *, worst: bool) -> Spread:
-    """Median, minimum and maximum over seeds; `worst` says that a failed seed (NaN) counts as infinitely large."""
+    """Median, minimum and maximum over seeds; `worst` says that a failed seed (NaN) counts as
+    infinitely large.
+    """
     values = np.asarray(values, float)
     good = values[np.isfinite(values)]
     failed = len(values) - len(good)
@@ -51,7 +53,9 @@ def spread(values: np.ndarray, *, worst: bool) -> Spread:
 
 
 def tally(outcomes) -> str:
-    """`ok` when all agree, else each outcome with its count, the most frequent first: `ok 2, diverged 1`."""
+    """`ok` when all agree, else each outcome with its count, the most frequent first: `ok 2,
+    diverged 1`.
+    """
     counts = Counter(outcomes)
     if len(counts) < 2:
         return next(iter(counts), "not run")
@@ -70,15 +74,27 @@ class Scores:
         if missing:
             raise ValueError(f"scores: no column {', '.join(missing)}; make the scores anew")
         seeds = [seed_label(seed) for seed in self.frame["seed"]]
-        object.__setattr__(self, "frame", self.frame.assign(seed=seeds, outcome=self.frame["outcome"].astype(str)))
+        object.__setattr__(
+            self, "frame", self.frame.assign(seed=seeds, outcome=self.frame["outcome"].astype(str))
+        )
 
-    def rows(self, scene: str, method: str, experiment: str, metric: str | None = None) -> pd.DataFrame:
+    def rows(
+        self, scene: str, method: str, experiment: str, metric: str | None = None
+    ) -> pd.DataFrame:
         frame = self.frame
-        chosen = (frame["scene"] == scene) & (frame["method"] == method) & (frame["experiment"] == experiment)
+        chosen = (
+            (frame["scene"] == scene)
+            & (frame["method"] == method)
+            & (frame["experiment"] == experiment)
+        )
         return frame[chosen if metric is None else chosen & (frame["metric"] == metric)]
 
-    def spread(self, scene: str, method: str, experiment: str, metric: str, *, worst: bool = True) -> Spread:
-        return spread(self.rows(scene, method, experiment, metric)["value"].to_numpy(float), worst=worst)
+    def spread(
+        self, scene: str, method: str, experiment: str, metric: str, *, worst: bool = True
+    ) -> Spread:
+        return spread(
+            self.rows(scene, method, experiment, metric)["value"].to_numpy(float), worst=worst
+        )
 
     def outcome(self, scene: str, method: str, experiment: str) -> str:
         return tally(self.rows(scene, method, experiment).drop_duplicates("seed")["outcome"])
@@ -89,7 +105,9 @@ class Scores:
         return float(rows["value"].iloc[0]) if len(rows) else np.nan
 
     def median_seed(self, scene: str, method: str, seeds: list[str]) -> str:
-        """The seed that figures draw: the middle one by decay NMTE (of an even number the lower), failed seeds last."""
+        """The seed that figures draw: the middle one by decay NMTE (of an even number the lower),
+        failed seeds last.
+        """
         errors = {seed: self.value(scene, method, seed, "decay", "nmte_percent") for seed in seeds}
         ranked = sorted(seeds, key=lambda seed: np.nan_to_num(errors[seed], nan=np.inf))
         return ranked[(len(ranked) - 1) // 2]

@@ -1,16 +1,18 @@
-"""The tables of a run: a row for each case and model, units in the column names, the thesis's numbers beside ours.
+"""The tables of a run: a row for each case and model, units in the column names, the thesis's
+numbers beside ours.
 
-Over seeds: median, and `_min`, `_max`; how failed seeds count is said in `vibrom.report.scores`. `outcome` tells how
-many seeds ended how.
+Over seeds: median, and `_min`, `_max`; how failed seeds count is said in `vibrom.report.scores`.
+`outcome` tells how many seeds ended how.
 """
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from vibrom.report import beam, checks, cost, curves, effects, stability, thesis
+from vibrom.report import beam, checks, cost, curves, effects, stability
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
 from vibrom.report.scores import Scores, Spread, tally
+from vibrom.thesis import published as thesis
 
 
 def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
@@ -38,13 +40,19 @@ def build(name: str, collection: Collection, scores: Scores) -> pd.DataFrame:
     return builders[name]()
 
 
-def outcome(collection: Collection, scores: Scores, scene: str, method: str, experiment: str) -> str:
+def outcome(
+    collection: Collection, scores: Scores, scene: str, method: str, experiment: str
+) -> str:
     """What became of the seeds; a model that was not asked says why, if its fit knows."""
     found = scores.outcome(scene, method, experiment)
     if found != "not run":
         return found
     fits = [collection.find(scene, method, "rom", seed) for seed in collection.seeds(scene, method)]
-    bad = [str(scalar(fit, "outcome", "ok")) for fit in fits if str(scalar(fit, "outcome", "ok")) != "ok"]
+    bad = [
+        str(scalar(fit, "outcome", "ok"))
+        for fit in fits
+        if str(scalar(fit, "outcome", "ok")) != "ok"
+    ]
     return tally(bad) if bad else found
 
 
@@ -53,7 +61,9 @@ def spread_columns(stem: str, values: Spread) -> dict[str, float]:
 
 
 def errors(experiment: str, reference: str, collection: Collection, scores: Scores) -> pd.DataFrame:
-    """NMTE [%] of one experiment. The full-order model is the reference: zero where its own run went well."""
+    """NMTE [%] of one experiment. The full-order model is the reference: zero where its own run
+    went well.
+    """
     rows = []
     for scene in collection.scenes:
         run = collection.find(scene, FULL_ORDER, reference)
@@ -67,19 +77,32 @@ def errors(experiment: str, reference: str, collection: Collection, scores: Scor
             seeds = collection.seeds(scene, method)
             published, verdict = thesis.percent(experiment, scene, method)
             row = {"case": scene, "method": method}
-            row |= spread_columns("nmte_percent", scores.spread(scene, method, experiment, "nmte_percent"))
+            row |= spread_columns(
+                "nmte_percent", scores.spread(scene, method, experiment, "nmte_percent")
+            )
             row |= {"thesis_percent": published, "thesis_outcome": verdict}
             if experiment == "forced":
-                error = scores.spread(scene, method, experiment, "amplitude_error_percent", worst=False)  # it has a sign
+                error = scores.spread(
+                    scene, method, experiment, "amplitude_error_percent", worst=False
+                )  # it has a sign
                 row |= spread_columns("amplitude_error_percent", error)
             row |= ending(collection, scores, scene, method, experiment)
-            rows.append(row | first_times([collection.find(scene, method, experiment, seed) for seed in seeds]))
+            rows.append(
+                row
+                | first_times([collection.find(scene, method, experiment, seed) for seed in seeds])
+            )
     frame = pd.DataFrame(rows)
-    return frame.drop(columns=["failed_at_s", "left_range_at_s"]) if experiment == "reconstruction" else frame
+    return (
+        frame.drop(columns=["failed_at_s", "left_range_at_s"])
+        if experiment == "reconstruction"
+        else frame
+    )
 
 
 def first_times(runs: list[xr.Dataset | None]) -> dict[str, float]:
-    """Earliest time [s] at which a seed failed, and at which one that did not fail left its training range."""
+    """Earliest time [s] at which a seed failed, and at which one that did not fail left its
+    training range.
+    """
     times: dict[str, list[float]] = {"failed_at_s": [], "left_range_at_s": []}
     for run in runs:
         ended, when = str(scalar(run, "outcome", "ok")), float(scalar(run, "failed_at"))
@@ -89,13 +112,19 @@ def first_times(runs: list[xr.Dataset | None]) -> dict[str, float]:
 
 
 def eigenvalues(collection: Collection, scores: Scores) -> pd.DataFrame:
-    """The first pair of eigenvalues of the linear part at rest: real part [1/s], imaginary part [rad/s]."""
+    """The first pair of eigenvalues of the linear part at rest: real part [1/s], imaginary part
+    [rad/s].
+    """
     rows = []
     for scene, model in models(collection):
         row: dict = {"case": scene, "method": model}
         for part in ("real_per_s", "imaginary_rad_per_s"):
-            row |= spread_columns(part, scores.spread(scene, model, "eigenvalues", part, worst=False))
-        row["thesis_real_per_s"], row["thesis_imaginary_rad_per_s"] = thesis.eigenvalue(scene, model)
+            row |= spread_columns(
+                part, scores.spread(scene, model, "eigenvalues", part, worst=False)
+            )
+        row["thesis_real_per_s"], row["thesis_imaginary_rad_per_s"] = thesis.eigenvalue(
+            scene, model
+        )
         rows.append(row | ending(collection, scores, scene, model, "eigenvalues"))
     return pd.DataFrame(rows)
 
@@ -106,14 +135,21 @@ def run_times(collection: Collection, scores: Scores) -> pd.DataFrame:
     for scene, model in models(collection):
         row: dict = {"case": scene, "method": model}
         for quantity in thesis.RUN_TIMES:
-            row |= spread_columns(quantity, scores.spread(scene, model, "run_times", quantity, worst=False))
-        row |= {f"thesis_{quantity}": thesis.run_time(quantity, scene, model) for quantity in thesis.RUN_TIMES}
+            row |= spread_columns(
+                quantity, scores.spread(scene, model, "run_times", quantity, worst=False)
+            )
+        row |= {
+            f"thesis_{quantity}": thesis.run_time(quantity, scene, model)
+            for quantity in thesis.RUN_TIMES
+        }
         rows.append(row | ending(collection, scores, scene, model, "run_times"))
     return pd.DataFrame(rows)
 
 
 def models(collection: Collection) -> list[tuple[str, str]]:
-    return [(scene, model) for scene in collection.scenes for model in [FULL_ORDER, *collection.methods]]
+    return [
+        (scene, model) for scene in collection.scenes for model in [FULL_ORDER, *collection.methods]
+    ]
 
 
 def ending(collection: Collection, scores: Scores, scene: str, model: str, experiment: str) -> dict:

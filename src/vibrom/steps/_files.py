@@ -1,7 +1,7 @@
 """Artefact paths as a collection, and whole files out: what the reporting steps share.
 
-results/{scene}/full_order/{name}.nc belongs to the full-order model, results/{scene}/{method}/{seed}/{name}.nc to a
-reduced one.
+results/{scene}/full_order/{name}.nc belongs to the full-order model,
+results/{scene}/{method}/{seed}/{name}.nc to a reduced one.
 """
 
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from vibrom.data import DataError, open_dataset
+from vibrom.artefacts.data import DataError, open_dataset
 from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection
 from vibrom.report.scores import COLUMNS, Scores
 
@@ -28,7 +28,9 @@ def collection(artefacts: list[str]) -> Collection:
         elif above:
             key = (above[-1], scene_or_method, model_or_seed, name)
         else:
-            raise DataError(f"{path}: not an artefact of a run; give results/<scene>/<method>/<seed>/<name>.nc")
+            raise DataError(
+                f"{path}: not an artefact of a run; give results/<scene>/<method>/<seed>/<name>.nc"
+            )
         loaders[key] = partial(open_dataset, path, KIND.get(name, name))
     return Collection(loaders)
 

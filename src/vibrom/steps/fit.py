@@ -1,4 +1,6 @@
-"""Training data -> rom.nc and losses.nc: one method learns one model, tells how it goes, and can be interrupted."""
+"""Training data -> rom.nc and losses.nc: one method learns one model, tells how it goes, and can be
+interrupted.
+"""
 
 from __future__ import annotations
 
@@ -13,15 +15,24 @@ from zipfile import BadZipFile
 import numpy as np
 import xarray as xr
 
-from vibrom.data import label, open_dataset, save_dataset, variable
-from vibrom.observed import structure as operators
-from vibrom.observed import trajectory
-from vibrom.progress import bar
-from vibrom.rom import MethodError, Monitor, TrainingDiverged, Training, method_from_settings, rom_from_dataset
+from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.artefacts.progress import bar
+from vibrom.models.recorded import structure as operators
+from vibrom.models.recorded import trajectory
+from vibrom.models.rom import (
+    MethodError,
+    Monitor,
+    Training,
+    TrainingDiverged,
+    method_from_settings,
+    rom_from_dataset,
+)
 
 
 class FileMonitor(Monitor):
-    """Times the phases, keeps the loss history, shows progress and keeps the last checkpoint at `path` (.npz, no pickle)."""
+    """Times the phases, keeps the loss history, shows progress and keeps the last checkpoint at
+    `path` (.npz, no pickle).
+    """
 
     def __init__(self, path: str | None, title: str):
         self.path, self.title = None if path is None else Path(path), title
@@ -75,25 +86,60 @@ class FileMonitor(Monitor):
             self._bar.__exit__(None, None, None)
 
 
-def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_name: str, method: str, kind: str | None = None, settings: dict, seed: int | None,
-        device: str, provenance: dict, start: str | None = None, checkpoint: str | None = None) -> None:
+def run(
+    *,
+    structure: str,
+    train: str,
+    test: str,
+    rom: str,
+    losses: str,
+    scene_name: str,
+    method: str,
+    kind: str | None = None,
+    settings: dict,
+    seed: int | None,
+    device: str,
+    provenance: dict,
+    start: str | None = None,
+    checkpoint: str | None = None,
+) -> None:
     known = open_dataset(structure, "structure")
-    monitor = FileMonitor(checkpoint, f"{scene_name}: {method}" + ("" if seed is None else f", seed {seed}"))
+    monitor = FileMonitor(
+        checkpoint, f"{scene_name}: {method}" + ("" if seed is None else f", seed {seed}")
+    )
     begun = open_dataset(start, "rom") if start else None
     outcome, reason, fitted = "ok", "", xr.Dataset()
-    motions = {role: open_dataset(path, "trajectory") for role, path in (("train", train), ("test", test))}
+    motions = {
+        role: open_dataset(path, "trajectory") for role, path in (("train", train), ("test", test))
+    }
     failed = float(motions["train"]["failed_at"])
     if str(motions["train"]["outcome"].item()) != "ok":
-        outcome, reason = "reference_failed", f"the full-order training run stopped at {failed:.4g} s without convergence; raise time.steps_per_period"
+        outcome, reason = (
+            "reference_failed",
+            f"the full-order training run stopped at {failed:.4g} s without convergence; raise time.steps_per_period",
+        )
     elif begun is not None and str(begun["outcome"].item()) != "ok":
-        outcome, reason = str(begun["outcome"].item()), f"the model that it starts from: {begun.attrs['reason']}"
+        outcome, reason = (
+            str(begun["outcome"].item()),
+            f"the model that it starts from: {begun.attrs['reason']}",
+        )
     else:
         try:
             chosen = method_from_settings(kind or method, settings)
         except MethodError as error:
             raise MethodError(f"config/methods/{method}.yaml: settings: {error}") from error
-        skipped = chosen.skip({block: json.loads(known.attrs[block]) for block in ("body", "effects")})
-        training = Training((trajectory(motions["train"]),), (trajectory(motions["test"]),), operators(known), seed, device, None if begun is None else rom_from_dataset(begun), monitor)
+        skipped = chosen.skip(
+            {block: json.loads(known.attrs[block]) for block in ("body", "effects")}
+        )
+        training = Training(
+            (trajectory(motions["train"]),),
+            (trajectory(motions["test"]),),
+            operators(known),
+            seed,
+            device,
+            None if begun is None else rom_from_dataset(begun),
+            monitor,
+        )
         if skipped:
             outcome, reason = "skipped", skipped
         else:
@@ -105,11 +151,23 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
                 monitor.close()
     # A model that starts from another one has needed that one's mapping too.
     before = 0.0 if begun is None else float(begun["mapping_seconds"])
-    fitted = fitted.assign({
-        "outcome": variable((), outcome, "1", "how the fit ended"),
-        "mapping_seconds": variable((), before + monitor.seconds["mapping"], "s", "wall time to learn the mapping, that of a model to start from included"),
-        "dynamics_seconds": variable((), monitor.seconds["dynamics"], "s", "wall time to learn the dynamics after the mapping"),
-    })
+    fitted = fitted.assign(
+        {
+            "outcome": variable((), outcome, "1", "how the fit ended"),
+            "mapping_seconds": variable(
+                (),
+                before + monitor.seconds["mapping"],
+                "s",
+                "wall time to learn the mapping, that of a model to start from included",
+            ),
+            "dynamics_seconds": variable(
+                (),
+                monitor.seconds["dynamics"],
+                "s",
+                "wall time to learn the dynamics after the mapping",
+            ),
+        }
+    )
     names = dict(scene=scene_name, method=method, seed=seed, settings=settings, reason=reason)
     save_dataset(label(loss_history(monitor.history), "losses", **names), losses, provenance)
     save_dataset(label(fitted, "rom", **names), rom, provenance)
@@ -118,8 +176,21 @@ def run(*, structure: str, train: str, test: str, rom: str, losses: str, scene_n
 
 
 def loss_history(rows: list[dict[str, float]]) -> xr.Dataset:
-    """One variable a loss term, one entry a recorded epoch; none for a method that does not iterate."""
+    """One variable a loss term, one entry a recorded epoch; none for a method that does not
+    iterate.
+    """
     names = list(rows[0]) if rows else ["epoch", "train_total"]
     columns = {name: np.array([row[name] for row in rows], dtype=float) for name in names}
-    terms = {name: variable("epoch", values, "1", f"loss: {name.replace('_', ' ')}") for name, values in columns.items() if name != "epoch"}
-    return xr.Dataset(terms, coords={"epoch": variable("epoch", columns["epoch"].astype(int), "1", "epoch of training, counted from one")})
+    terms = {
+        name: variable("epoch", values, "1", f"loss: {name.replace('_', ' ')}")
+        for name, values in columns.items()
+        if name != "epoch"
+    }
+    return xr.Dataset(
+        terms,
+        coords={
+            "epoch": variable(
+                "epoch", columns["epoch"].astype(int), "1", "epoch of training, counted from one"
+            )
+        },
+    )

@@ -1,9 +1,13 @@
-"""Structure, release state -> effects.nc: what each effect of a scene is worth, told by leaving it out.
+"""Structure, release state -> effects.nc: what each effect of a scene is worth, told by leaving it
+out.
 
-The whole scene, and the scene less one effect at a time, answer the same questions: first frequency; a decay from the test release; a forced run from
-rest; seconds a step. Instants, frequency and amplitude of the forcing are those of the whole scene, and all bodies are let go from the same place in
-space. What is compared is where a body goes, seen from the rest state of the whole scene; amplitudes are told from the rest state of each. An effect that
-another one needs cannot be left out alone (outcome `needed_by ...`); without mass everywhere only the static answer is left.
+The whole scene, and the scene less one effect at a time, answer the same questions: first
+frequency; a decay from the test release; a forced run from rest; seconds a step. Instants,
+frequency and amplitude of the forcing are those of the whole scene, and all bodies are let go from
+the same place in space. What is compared is where a body goes, seen from the rest state of the
+whole scene; amplitudes are told from the rest state of each. An effect that another one needs
+cannot be left out alone (outcome `needed_by ...`); without mass everywhere only the static answer
+is left.
 """
 
 from __future__ import annotations
@@ -15,14 +19,14 @@ import numpy as np
 import xarray as xr
 
 from vibrom import effects
-from vibrom.data import label, open_dataset, save_dataset, variable
-from vibrom.hardware import description
-from vibrom.modes import eigenmodes, linearised
-from vibrom.nmte import nmte_percent
-from vibrom.solvers import static
-from vibrom.solvers.newmark import Motion, Record
-from vibrom.space import Space
-from vibrom.steps.full_order import FullOrder, build, probe_coordinate
+from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.artefacts.hardware import description
+from vibrom.bodies.space import Space
+from vibrom.models.full_order import FullOrder, build, probe_coordinate
+from vibrom.models.measures import nmte_percent
+from vibrom.solvers.full import static
+from vibrom.solvers.full.modes import eigenmodes, linearised
+from vibrom.solvers.full.newmark import Motion, Record
 from vibrom.term import SceneError, Term
 
 NOTHING = "nothing"  # the effect that the whole scene leaves out
@@ -30,7 +34,9 @@ NOTHING = "nothing"  # the effect that the whole scene leaves out
 
 @dataclass
 class Answer:
-    """One scene's answers; NaN where it has none. decay (probes, times) and forced (probes, times) [m], the latter the last period."""
+    """One scene's answers; NaN where it has none. decay (probes, times) and forced (probes, times)
+    [m], the latter the last period.
+    """
 
     outcome: str = "ok"
     failed_at: float = np.nan
@@ -45,7 +51,9 @@ class Answer:
     seconds: list[float] = field(default_factory=list)
 
 
-def run(*, structure: str, release: str, output: str, scene: dict, lengths: dict, provenance: dict) -> None:
+def run(
+    *, structure: str, release: str, output: str, scene: dict, lengths: dict, provenance: dict
+) -> None:
     model = build(scene, structure)
     start = open_dataset(release, "release")["displacement"].sel(role="test").values
     listed, answers, movable, whole = scene["effects"], {}, {}, None
@@ -54,14 +62,35 @@ def run(*, structure: str, release: str, output: str, scene: dict, lengths: dict
         if needed_by:
             answers[left_out] = Answer(f"needed_by {' '.join(needed_by)}")
             continue
-        answers[left_out], body, decay = ask(replace(model, term=term), model.rest, start, scene["forced"]["forcing"], lengths, left_out)
+        answers[left_out], body, decay = ask(
+            replace(model, term=term),
+            model.rest,
+            start,
+            scene["forced"]["forcing"],
+            lengths,
+            left_out,
+        )
         whole = decay if left_out == NOTHING else whole
         if decay is not None:
             movable[left_out] = body
-            answers[left_out].decay_nmte = np.nan if whole is None else nmte_percent(np.linalg.norm(decay - whole, axis=1), whole)
+            answers[left_out].decay_nmte = (
+                np.nan
+                if whole is None
+                else nmte_percent(np.linalg.norm(decay - whole, axis=1), whole)
+            )
     take_turns(movable, model.rest + start, answers, lengths)
-    save_dataset(label(collected(answers, model, lengths), "effects", scene=model.name, method="full_order", hardware=description(), **lengths), output,
-                 provenance)
+    save_dataset(
+        label(
+            collected(answers, model, lengths),
+            "effects",
+            scene=model.name,
+            method="full_order",
+            hardware=description(),
+            **lengths,
+        ),
+        output,
+        provenance,
+    )
 
 
 def without(space: Space, listed: dict, left_out: str) -> tuple[Term, list[str]]:
@@ -71,13 +100,25 @@ def without(space: Space, listed: dict, left_out: str) -> tuple[Term, list[str]]
         if name != left_out:
             try:
                 total = total + effects.load(name, settings).assemble(space, total)
-            except (SceneError, RuntimeError):  # a factorisation of what has no stiffness left ends in the latter
+            except (
+                SceneError,
+                RuntimeError,
+            ):  # a factorisation of what has no stiffness left ends in the latter
                 needed_by.append(name)
     return total, needed_by
 
 
-def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float, lengths: dict, left_out: str):
-    """The answers of a body, the body about its own rest state, and its decay (times, n) [m] seen from `origin`, None where it has none."""
+def ask(
+    model: FullOrder,
+    origin: np.ndarray,
+    start: np.ndarray,
+    forcing: float,
+    lengths: dict,
+    left_out: str,
+):
+    """The answers of a body, the body about its own rest state, and its decay (times, n) [m] seen
+    from `origin`, None where it has none.
+    """
     answer = Answer()
     try:
         model = replace(model, rest=linearised(model.term)[0])
@@ -94,11 +135,20 @@ def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float,
         except SceneError:
             answer.outcome = "no_equilibrium"
         return answer, model, None
-    moved = decayed(model, origin + start, lengths["decay_periods"], Record(every=model.every, probes=probes), title)
+    moved = decayed(
+        model,
+        origin + start,
+        lengths["decay_periods"],
+        Record(every=model.every, probes=probes),
+        title,
+    )
     seen = moved.displacement[0] + model.rest - origin
     watched = moved.probes[0]
-    answer.decay = watched[:, ::model.every] + (model.rest - origin)[probes, None]
-    answer.decay_frequency, answer.decay_amplitude = swing(watched, model.period / model.steps_per_period), np.abs(watched[:, -model.steps_per_period:]).max(axis=1)
+    answer.decay = watched[:, :: model.every] + (model.rest - origin)[probes, None]
+    answer.decay_frequency, answer.decay_amplitude = (
+        swing(watched, model.period / model.steps_per_period),
+        np.abs(watched[:, -model.steps_per_period :]).max(axis=1),
+    )
     answer.iterations = moved.iterations / (lengths["decay_periods"] * model.steps_per_period)
     motions = [moved]
     if model.term.load is None:
@@ -107,23 +157,41 @@ def ask(model: FullOrder, origin: np.ndarray, start: np.ndarray, forcing: float,
     else:
         steps = lengths["forced_periods"] * model.steps_per_period
         record = Record(start=steps + 1, probes=probes, probe_start=steps - model.steps_per_period)
-        driven = model.forced(np.array([float(forcing)]), np.array([model.frequency]), steps, record, f"{title}, forced")
-        answer.forced_amplitude, answer.forced = driven.probes[0].max(axis=1), driven.probes[0][:, ::model.every]
+        driven = model.forced(
+            np.array([float(forcing)]),
+            np.array([model.frequency]),
+            steps,
+            record,
+            f"{title}, forced",
+        )
+        answer.forced_amplitude, answer.forced = (
+            driven.probes[0].max(axis=1),
+            driven.probes[0][:, :: model.every],
+        )
         motions.append(driven)
     for motion in motions:
         if motion.outcomes[0] != "ok":
-            answer.outcome, answer.failed_at = motion.outcomes[0], np.fmin(answer.failed_at, motion.failed_at[0])
+            answer.outcome, answer.failed_at = (
+                motion.outcomes[0],
+                np.fmin(answer.failed_at, motion.failed_at[0]),
+            )
     return answer, model, seen if moved.outcomes[0] == "ok" else None
 
 
-def decayed(model: FullOrder, where: np.ndarray, periods: int, record: Record, title: str) -> Motion:
+def decayed(
+    model: FullOrder, where: np.ndarray, periods: int, record: Record, title: str
+) -> Motion:
     """The motion of a body let go at `where` (n,) [m], counted from its undeformed state."""
     step = np.array([model.period / model.steps_per_period])
-    return model.run((where - model.rest)[:, None], step, periods * model.steps_per_period, record, title)
+    return model.run(
+        (where - model.rest)[:, None], step, periods * model.steps_per_period, record, title
+    )
 
 
 def swing(x: np.ndarray, step: float) -> np.ndarray:
-    """Mean angular frequency (probes,) [rad/s] of x (probes, samples): half periods from the first to the last passage through rest."""
+    """Mean angular frequency (probes,) [rad/s] of x (probes, samples): half periods from the first
+    to the last passage through rest.
+    """
     found = np.full(len(x), np.nan)
     for index, one in enumerate(x):
         (before,) = np.nonzero(np.signbit(one[:-1]) != np.signbit(one[1:]))
@@ -137,13 +205,18 @@ def static_amplitude(model: FullOrder, forcing: float) -> np.ndarray:
     """Largest displacement (probes,) [m] under the load held at plus and minus its amplitude."""
     if model.term.load is None:
         return np.zeros(len(model.probes))
-    ends = [static.equilibrium(model.term, signal, start=model.rest) for signal in (forcing, -forcing)]
+    ends = [
+        static.equilibrium(model.term, signal, start=model.rest) for signal in (forcing, -forcing)
+    ]
     return np.max([(end - model.rest)[model.probes] for end in ends], axis=0)
 
 
-def take_turns(bodies: dict[str, FullOrder], where: np.ndarray, answers: dict[str, Answer], lengths: dict) -> None:
-    """Seconds a step of the first periods of each body's decay. They take many short turns, in another order each round, so that a slow moment of the
-    machine meets all of them."""
+def take_turns(
+    bodies: dict[str, FullOrder], where: np.ndarray, answers: dict[str, Answer], lengths: dict
+) -> None:
+    """Seconds a step of the first periods of each body's decay. They take many short turns, in
+    another order each round, so that a slow moment of the machine meets all of them.
+    """
     order = list(bodies.items())
     for turn in range(lengths["repeats"]):
         order = [*order[1:], *order[:1]]
@@ -160,26 +233,103 @@ def collected(answers: dict[str, Answer], model: FullOrder, lengths: dict) -> xr
 
     def each(name: str, *shape: int) -> np.ndarray:
         values = [getattr(answer, name) for answer in answers.values()]
-        return np.array([np.broadcast_to(np.nan if value is None else value, shape) for value in values])
+        return np.array(
+            [np.broadcast_to(np.nan if value is None else value, shape) for value in values]
+        )
 
     seconds = {name: answer.seconds or [np.nan] for name, answer in answers.items()}
-    # Rounds are compared one by one: the machine's pace differs more from round to round than within one.
-    ratio = [median(whole / less for whole, less in zip(seconds[NOTHING], one)) for one in seconds.values()]
+    # Rounds are compared one by one: the machine's pace differs more from round to round than
+    # within one.
+    ratio = [
+        median(whole / less for whole, less in zip(seconds[NOTHING], one))
+        for one in seconds.values()
+    ]
     names, left_out, at = list(answers), "left_out", ("left_out", "probe")
-    return xr.Dataset({
-        "first_frequency": variable(left_out, each("first_frequency"), "rad s-1", "undamped first angular frequency about the rest state"),
-        "decay_nmte": variable(left_out, each("decay_nmte"), "percent", "normalised mean-trajectory error of the decay against the whole scene's"),
-        "decay_frequency": variable(at, each("decay_frequency", probes), "rad s-1", "mean angular frequency of the decay"),
-        "decay_amplitude": variable(at, each("decay_amplitude", probes), "m", "largest displacement from rest in the last period of the decay"),
-        "decay_displacement": variable((*at, "time"), each("decay", probes, lengths["decay_periods"] * per_period + 1), "m", "decay at the probes"),
-        "forced_amplitude": variable(at, each("forced_amplitude", probes), "m", "largest displacement in the last period of the forced run, or the static one"),
-        "forced_displacement": variable((*at, "last_time"), each("forced", probes, per_period + 1), "m", "last period of the forced run at the probes"),
-        "iterations_per_step": variable(left_out, each("iterations"), "1", "Newton iterations a step of the decay"),
-        "seconds_per_step": variable(left_out, np.array([median(one) for one in seconds.values()]), "s",
-                                     "wall time of a step of the decay's first periods, median of runs that take turns; loading and compilation excluded"),
-        "seconds_ratio": variable(left_out, np.array(ratio), "1", "wall time of the whole scene's step over that of one without the effect: median over the turns"),
-        "outcome": variable(left_out, np.array([answer.outcome for answer in answers.values()], dtype=object), "1", "how it ended"),
-        "failed_at": variable(left_out, each("failed_at"), "s", "simulated time at which a run failed"),
-    }, coords={left_out: variable(left_out, np.array(names, dtype=object), "1", "effect that is left out"), "probe": probe_coordinate(model),
-               "time": variable("time", np.arange(lengths["decay_periods"] * per_period + 1) * step * model.every, "s", "time since release"),
-               "last_time": variable("last_time", np.arange(per_period + 1) * step * model.every, "s", "time in the last period of the forced run")})
+    return xr.Dataset(
+        {
+            "first_frequency": variable(
+                left_out,
+                each("first_frequency"),
+                "rad s-1",
+                "undamped first angular frequency about the rest state",
+            ),
+            "decay_nmte": variable(
+                left_out,
+                each("decay_nmte"),
+                "percent",
+                "normalised mean-trajectory error of the decay against the whole scene's",
+            ),
+            "decay_frequency": variable(
+                at,
+                each("decay_frequency", probes),
+                "rad s-1",
+                "mean angular frequency of the decay",
+            ),
+            "decay_amplitude": variable(
+                at,
+                each("decay_amplitude", probes),
+                "m",
+                "largest displacement from rest in the last period of the decay",
+            ),
+            "decay_displacement": variable(
+                (*at, "time"),
+                each("decay", probes, lengths["decay_periods"] * per_period + 1),
+                "m",
+                "decay at the probes",
+            ),
+            "forced_amplitude": variable(
+                at,
+                each("forced_amplitude", probes),
+                "m",
+                "largest displacement in the last period of the forced run, or the static one",
+            ),
+            "forced_displacement": variable(
+                (*at, "last_time"),
+                each("forced", probes, per_period + 1),
+                "m",
+                "last period of the forced run at the probes",
+            ),
+            "iterations_per_step": variable(
+                left_out, each("iterations"), "1", "Newton iterations a step of the decay"
+            ),
+            "seconds_per_step": variable(
+                left_out,
+                np.array([median(one) for one in seconds.values()]),
+                "s",
+                "wall time of a step of the decay's first periods, median of runs that take turns; loading and compilation excluded",
+            ),
+            "seconds_ratio": variable(
+                left_out,
+                np.array(ratio),
+                "1",
+                "wall time of the whole scene's step over that of one without the effect: median over the turns",
+            ),
+            "outcome": variable(
+                left_out,
+                np.array([answer.outcome for answer in answers.values()], dtype=object),
+                "1",
+                "how it ended",
+            ),
+            "failed_at": variable(
+                left_out, each("failed_at"), "s", "simulated time at which a run failed"
+            ),
+        },
+        coords={
+            left_out: variable(
+                left_out, np.array(names, dtype=object), "1", "effect that is left out"
+            ),
+            "probe": probe_coordinate(model),
+            "time": variable(
+                "time",
+                np.arange(lengths["decay_periods"] * per_period + 1) * step * model.every,
+                "s",
+                "time since release",
+            ),
+            "last_time": variable(
+                "last_time",
+                np.arange(per_period + 1) * step * model.every,
+                "s",
+                "time in the last period of the forced run",
+            ),
+        },
+    )

@@ -9,7 +9,9 @@ from vibrom.report import headline as numbers
 from vibrom.steps._files import write
 
 
-def run(*, scores: str, report: str, tables: list[str], headline: str, provenance: dict | None = None) -> None:
+def run(
+    *, scores: str, report: str, tables: list[str], headline: str, provenance: dict | None = None
+) -> None:
     frames = {Path(path).stem: pd.read_csv(path) for path in tables if path.endswith(".csv")}
     places = {
         "Report": report,

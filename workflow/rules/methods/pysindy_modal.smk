@@ -21,15 +21,15 @@ rule fit_pysindy_modal:
         "<logs>/{scene}/pysindy_modal/{seed}/fit.log",
     benchmark:
         "<benchmarks>/{scene}/pysindy_modal/{seed}/fit.tsv"
+    priority: 50
+    threads: PYSINDY["resources"]["threads"]
+    resources:
+        mem_mb=PYSINDY["resources"]["mem_mb"],
     params:
         scene_name="{scene}",
         settings=PYSINDY["settings"],
         rom_class=PYSINDY["rom_class"],
         provenance=provenance.script_attributes(PYSINDY_SCRIPT, ("pysindy", "numpy", "sklearn")),
-    threads: PYSINDY["resources"]["threads"]
-    resources:
-        mem_mb=PYSINDY["resources"]["mem_mb"],
-    priority: 50
     message:
         "{wildcards.scene}: pysindy_modal {wildcards.seed}: fit"
     script:

@@ -1,4 +1,6 @@
-"""One module a figure, each with `draw(collection, scores, scene) -> Figure`; scene None: a figure of the whole run."""
+"""One module a figure, each with `draw(collection, scores, scene) -> Figure`; scene None: a figure
+of the whole run.
+"""
 
 import matplotlib
 from matplotlib.figure import Figure
@@ -6,8 +8,24 @@ from matplotlib.figure import Figure
 from vibrom.report import names
 from vibrom.report.collection import Collection
 from vibrom.report.figures import (
-    accuracy_cost, backbones, blow_up, configurations, cost_full_order, cost_reduced, cost_training, decay, effects, final_shapes, forced, frc,
-    losses, phase_portraits, release_states, stability, style, trajectories,
+    accuracy_cost,
+    backbones,
+    blow_up,
+    configurations,
+    cost_full_order,
+    cost_reduced,
+    cost_training,
+    decay,
+    effects,
+    final_shapes,
+    forced,
+    frc,
+    losses,
+    phase_portraits,
+    release_states,
+    stability,
+    style,
+    trajectories,
 )
 from vibrom.report.scores import Scores
 

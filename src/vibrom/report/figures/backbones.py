@@ -1,11 +1,13 @@
-"""Backbone curves: the amplitude at the probe against the frequency at which the decaying beam swings (figure 3.8)."""
+"""Backbone curves: the amplitude at the probe against the frequency at which the decaying beam
+swings (figure 3.8).
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report import thesis
 from vibrom.report.collection import FULL_ORDER, UNSEEDED, answered, probe_name
 from vibrom.report.figures import panels, style
+from vibrom.thesis import published as thesis
 
 
 def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
@@ -20,7 +22,9 @@ def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    figure, axes = panels.grid(max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6)
+    figure, axes = panels.grid(
+        max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6
+    )
     handles = {}
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel="angular frequency [rad/s]", ylabel="probe amplitude [m]")
@@ -28,8 +32,11 @@ def draw(collection, scores, scene=None) -> Figure:
         low, high = -np.inf, np.inf
         if curve(truth)[0].size:
             frequency, amplitude = curve(truth)
-            handles[thesis.label(FULL_ORDER)] = panel.plot(frequency, amplitude, **style.FULL_ORDER)[0]
-            # The hardening is a few rad/s: a model that is far off is named instead of squeezing all others together.
+            handles[thesis.label(FULL_ORDER)] = panel.plot(
+                frequency, amplitude, **style.FULL_ORDER
+            )[0]
+            # The hardening is a few rad/s: a model that is far off is named instead of squeezing
+            # all others together.
             width = max(np.ptp(frequency), 2e-3 * np.abs(frequency).mean())
             low, high = frequency.min() - 1.2 * width, frequency.max() + 1.2 * width
             panel.set_xlim(low, high)
@@ -45,7 +52,11 @@ def draw(collection, scores, scene=None) -> Figure:
                 handles[thesis.label(method)] = panel.plot(*points, **line)[0]
             text = panels.ending(backbone, "backbone")
             if not text and not inside.any():
-                text = f"outside, {np.median(points[0]):.4g} rad/s" if points[0].size else "too few peaks"
+                text = (
+                    f"outside, {np.median(points[0]):.4g} rad/s"
+                    if points[0].size
+                    else "too few peaks"
+                )
             if text:
                 said.append(f"{thesis.label(method)}: {text}")
         if said:

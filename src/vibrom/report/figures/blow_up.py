@@ -1,4 +1,6 @@
-"""A reduced model that blows up under forcing: the first one found, the hardest case first (figure 3.11)."""
+"""A reduced model that blows up under forcing: the first one found, the hardest case first (figure
+3.11).
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,12 +12,16 @@ FAILURES = ("diverged", "step_underflow", "no_convergence")
 
 
 def first_failure(collection):
-    """Scene, method, seed and forced run of the first model that ran away (in the thesis: modal projection)."""
+    """Scene, method, seed and forced run of the first model that ran away (in the thesis: modal
+    projection).
+    """
     for scene in reversed(collection.scenes):
         for method in collection.methods:
             for seed in collection.seeds(scene, method):
                 run = collection.find(scene, method, "forced", seed)
-                failed = str(scalar(run, "outcome")) in FAILURES and np.isfinite(float(scalar(run, "failed_at")))
+                failed = str(scalar(run, "outcome")) in FAILURES and np.isfinite(
+                    float(scalar(run, "failed_at"))
+                )
                 if run is not None and failed:
                     return scene, method, seed, run
     return None
@@ -40,10 +46,14 @@ def draw(collection, scores, scene=None) -> Figure:
         true = at_probe(truth, "probe_displacement")[early]
         axes.plot(truth["time"].values[early], true, **style.TRUE, label="full order")
         largest = min(largest, 3 * float(np.nanmax(np.abs(true))))
-    axes.plot(run["time"].values, predicted, **style.PREDICTED | {"linewidth": 1.1}, label="reduced model")
+    axes.plot(
+        run["time"].values, predicted, **style.PREDICTED | {"linewidth": 1.1}, label="reduced model"
+    )
     axes.axvline(failed_at, color="black", linewidth=0.8, linestyle=":")
     axes.set(xlim=(0, end), ylim=(-1.15 * largest, 1.15 * largest))
-    axes.set_title(f"{panels.title(method, seed)} in case {name}, forcing {float(scalar(truth, 'forcing')):g}")
+    axes.set_title(
+        f"{panels.title(method, seed)} in case {name}, forcing {float(scalar(truth, 'forcing')):g}"
+    )
     count = f", after {failed_at / period:.3g} periods" if period else ""
     panels.words(axes, panels.ending(run, "forced run") + count, place="corner")
     axes.legend(loc="upper left")

@@ -1,11 +1,15 @@
-"""Deformed bodies: nodes, quadrilaterals and the outline of the mesh, from the structure of a scene."""
+"""Deformed bodies: nodes, quadrilaterals and the outline of the mesh, from the structure of a
+scene.
+"""
 
 import numpy as np
 import xarray as xr
 
 
 def displacement(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
-    """(node, 2) displacement [m] of every node from that of the free dofs; clamped dofs stay where they are, mid-side nodes are left out."""
+    """(node, 2) displacement [m] of every node from that of the free dofs; clamped dofs stay where
+    they are, mid-side nodes are left out.
+    """
     full = np.zeros_like(structure["node"].values, dtype=float)
     node, axis = structure["dof_node"].values, structure["dof_axis"].values
     full[node[node >= 0], axis[node >= 0]] = free[node >= 0]
@@ -13,19 +17,29 @@ def displacement(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
 
 
 def rest(structure: xr.Dataset) -> np.ndarray:
-    """(node, 2) positions [m] that displacements are measured from: those of the mesh, or of the equilibrium under the dead load."""
+    """(node, 2) positions [m] that displacements are measured from: those of the mesh, or of the
+    equilibrium under the dead load.
+    """
     position = structure["node"].values
-    return position + displacement(structure, structure["equilibrium"].values) if "equilibrium" in structure else position
+    return (
+        position + displacement(structure, structure["equilibrium"].values)
+        if "equilibrium" in structure
+        else position
+    )
 
 
 def quadrilaterals(structure: xr.Dataset, free: np.ndarray, scale: float = 1.0) -> np.ndarray:
     """(element, 4, 2) corners [m] of the deformed elements."""
-    return (rest(structure) + scale * displacement(structure, free))[structure["element_node"].values]
+    return (rest(structure) + scale * displacement(structure, free))[
+        structure["element_node"].values
+    ]
 
 
 def magnitude(structure: xr.Dataset, free: np.ndarray) -> np.ndarray:
     """(element,) mean size of the displacement [m] at the corners of each element."""
-    return np.linalg.norm(displacement(structure, free), axis=1)[structure["element_node"].values].mean(axis=1)
+    return np.linalg.norm(displacement(structure, free), axis=1)[
+        structure["element_node"].values
+    ].mean(axis=1)
 
 
 def outline(structure: xr.Dataset) -> list[np.ndarray]:
@@ -63,7 +77,9 @@ def longest_side(structure: xr.Dataset) -> float:
 
 
 def magnification(structure: xr.Dataset, free: np.ndarray, share: float = 0.15) -> float:
-    """1, or the 1-2-5 factor that makes a displacement too small to see about `share` of the body's longest side."""
+    """1, or the 1-2-5 factor that makes a displacement too small to see about `share` of the body's
+    longest side.
+    """
     largest = float(np.abs(displacement(structure, free)).max())
     wanted = share * longest_side(structure) / largest if largest > 0 else 1.0
     if wanted < 5:

@@ -1,4 +1,6 @@
-"""The release states of all scenes in one picture, coloured by the size of the displacement (figure 2.1)."""
+"""The release states of all scenes in one picture, coloured by the size of the displacement (figure
+2.1).
+"""
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -22,13 +24,25 @@ def draw(collection, scores, scene=None) -> Figure:
         axes.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
     for state in found:
         corners = list(body.quadrilaterals(state.structure, state.displacement))
-        cells = PolyCollection(corners, array=body.magnitude(state.structure, state.displacement), clim=(0, largest),
-                               cmap="viridis", linewidth=0.15, edgecolor="face")
+        cells = PolyCollection(
+            corners,
+            array=body.magnitude(state.structure, state.displacement),
+            clim=(0, largest),
+            cmap="viridis",
+            linewidth=0.15,
+            edgecolor="face",
+        )
         axes.add_collection(cells)
         moved = body.displacement(state.structure, state.displacement)
         free_end = np.argmax(np.linalg.norm(moved, axis=1))
         place = body.rest(state.structure)[free_end] + moved[free_end]
-        axes.annotate(f"{state.at('probe'):.4g} m", place, xytext=(4, 4), textcoords="offset points", fontsize=6.5)
+        axes.annotate(
+            f"{state.at('probe'):.4g} m",
+            place,
+            xytext=(4, 4),
+            textcoords="offset points",
+            fontsize=6.5,
+        )
     axes.autoscale_view()
     axes.margins(x=0.12, y=0.08)
     bar = figure.colorbar(cells, ax=axes, shrink=0.8)

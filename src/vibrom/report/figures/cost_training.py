@@ -1,12 +1,15 @@
-"""Error as training proceeds: each point is a model that was trained for so long; polynomial fits beside them, by order."""
+"""Error as training proceeds: each point is a model that was trained for so long; polynomial fits
+beside them, by order.
+"""
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from vibrom.report import cost, thesis
+from vibrom.report import cost
 from vibrom.report.figures import panels, style
 from vibrom.report.figures.cost_reduced import ASKED, ordered, silent, studied
+from vibrom.thesis import published as thesis
 
 EPOCHS = ("epochs", "start.epochs")
 
@@ -19,7 +22,9 @@ def draw(collection, scores, scene=None) -> Figure:
     handles: dict = {}
     for panels_of_row in axes:
         for panel, said in zip(panels_of_row, ASKED.values()):
-            panel.set(xlabel="fit: mapping and dynamics [s]", ylabel=said, xscale="log", yscale="log")
+            panel.set(
+                xlabel="fit: mapping and dynamics [s]", ylabel=said, xscale="log", yscale="log"
+            )
     if not known:
         panels.words(axes[0, 0], "no scene of this run was studied")
     for row, name in zip(axes, known):
@@ -27,7 +32,13 @@ def draw(collection, scores, scene=None) -> Figure:
         for panel, question in zip(row, ASKED):
             group = table[table["case"] == name]
             for index, method in enumerate(methods):
-                handles |= lines(panel, group[group["method"] == method], f"{question}_error_percent", index, thesis.label(method))
+                handles |= lines(
+                    panel,
+                    group[group["method"] == method],
+                    f"{question}_error_percent",
+                    index,
+                    thesis.label(method),
+                )
             silent(panel, group, f"{question}_error_percent")
     for panel in axes.flat:
         panels.decades(panel.xaxis)
@@ -37,7 +48,9 @@ def draw(collection, scores, scene=None) -> Figure:
 
 
 def lines(panel, mine: pd.DataFrame, error: str, index: int, label: str) -> dict:
-    """A line over the lengths of training, in epochs, or, of a method that does not train, over its orders; a large marker as configured. Failures are gaps."""
+    """A line over the lengths of training, in epochs, or, of a method that does not train, over its
+    orders; a large marker as configured. Failures are gaps.
+    """
     usual = mine[(mine["varied"] == cost.CONFIGURED) & mine[error].notna()]
     trained = mine[mine["varied"].isin(EPOCHS)]
     chosen = trained if len(trained) else mine[mine["varied"].str.startswith("order")]
@@ -47,5 +60,12 @@ def lines(panel, mine: pd.DataFrame, error: str, index: int, label: str) -> dict
         handles[label] = panel.plot(chosen["fit_s"], chosen[error], **style.look(index))[0]
     for x, y, said in zip(chosen["fit_s"], chosen[error], chosen["set_to"]):
         if np.isfinite(y):
-            panel.annotate(said if len(trained) else f"p = {said}", (x, y), textcoords="offset points", xytext=(3, 3), fontsize=5.5, color="0.35")
+            panel.annotate(
+                said if len(trained) else f"p = {said}",
+                (x, y),
+                textcoords="offset points",
+                xytext=(3, 3),
+                fontsize=5.5,
+                color="0.35",
+            )
     return handles

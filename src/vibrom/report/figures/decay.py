@@ -7,16 +7,25 @@ from vibrom.report.figures import panels, style
 
 
 def draw(collection, scores, scene) -> Figure:
-    figure, axes = panels.grid(max(1, len(collection.methods)), columns=2, size=(4.4, 1.65), legend=0.45, sharex=True)
+    figure, axes = panels.grid(
+        max(1, len(collection.methods)), columns=2, size=(4.4, 1.65), legend=0.45, sharex=True
+    )
     figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
     for panel, method in zip(axes, collection.methods):
         seed, decay = panels.drawn(collection, scores, scene, method, "decay")
-        panel.set(title=panels.title(method, seed, scores.value(scene, method, seed, "decay", "nmte_percent")),
-                  xlabel="time [s]", ylabel="probe [m]")
+        panel.set(
+            title=panels.title(
+                method, seed, scores.value(scene, method, seed, "decay", "nmte_percent")
+            ),
+            xlabel="time [s]",
+            ylabel="probe [m]",
+        )
         panel.tick_params(labelbottom=True)
         if answered(decay):
             true, predicted = at_probe(decay, "probe_true"), at_probe(decay, "probe_displacement")
-            time, true, predicted = panels.thinned(decay["time"].values, true, predicted, limit=1500)
+            time, true, predicted = panels.thinned(
+                decay["time"].values, true, predicted, limit=1500
+            )
             panel.plot(time, true, **style.TRUE | {"linewidth": 1.6}, label="full order")
             panel.plot(time, predicted, **style.PREDICTED, label="reduced model")
             panels.breathe(panel, true)

@@ -1,4 +1,6 @@
-"""The shape at the largest probe displacement of the last forced period, models over the full order (figure 3.10)."""
+"""The shape at the largest probe displacement of the last forced period, models over the full order
+(figure 3.10).
+"""
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -6,7 +8,6 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, scalar
 from vibrom.report.figures import body, panels
-
 
 WIDTH = 2.3  # [inches] of a panel
 
@@ -17,28 +18,47 @@ def draw(collection, scores, scene=None) -> Figure:
     blocks = [Block(collection, scores, name, methods) for name in scenes]
     heights = [-(-len(methods) // across) * block.panel_height + 0.45 for block in blocks]
     figure = Figure(figsize=(WIDTH * across, sum(heights)))
-    for block, part in zip(blocks, figure.subfigures(len(scenes), 1, squeeze=False, height_ratios=heights)[:, 0]):
-        axes = part.subplots(-(-len(methods) // across), across, squeeze=False, sharex=True, sharey=True).ravel()
+    for block, part in zip(
+        blocks, figure.subfigures(len(scenes), 1, squeeze=False, height_ratios=heights)[:, 0]
+    ):
+        axes = part.subplots(
+            -(-len(methods) // across), across, squeeze=False, sharex=True, sharey=True
+        ).ravel()
         part.suptitle(block.heading, fontsize=8, x=0.01, ha="left", style="italic")
         for panel, method, (seed, run) in zip(axes, methods, block.runs):
-            panel.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", xlim=block.limits[0], ylim=block.limits[1])
+            panel.set(
+                xlabel="x [m]",
+                ylabel="y [m]",
+                aspect="equal",
+                xlim=block.limits[0],
+                ylim=block.limits[1],
+            )
             panel.set_title(panels.title(method, seed))
             block.shapes(panel, run)
             if text := panels.ending(run, "forced run"):
-                panels.words(panel, text.replace(" at ", "\nat ").replace(" (", "\n("), place="above")
-        for spare in axes[len(methods):]:
+                panels.words(
+                    panel, text.replace(" at ", "\nat ").replace(" (", "\n("), place="above"
+                )
+        for spare in axes[len(methods) :]:
             spare.remove()
     return figure
 
 
 class Block:
-    """One case: its runs, the magnification of its displacements, and limits [m] that hold every shape."""
+    """One case: its runs, the magnification of its displacements, and limits [m] that hold every
+    shape.
+    """
 
     def __init__(self, collection, scores, scene: str, methods: list[str]):
         self.structure = collection.find(scene, FULL_ORDER, "structure")
-        self.runs = [panels.drawn(collection, scores, scene, method, "forced") for method in methods]
+        self.runs = [
+            panels.drawn(collection, scores, scene, method, "forced") for method in methods
+        ]
         found = [run for _, run in self.runs if answered(run)]
-        self.truth = next((shape for run in found if np.isfinite(shape := run["final_shape_true"].values).all()), None)
+        self.truth = next(
+            (shape for run in found if np.isfinite(shape := run["final_shape_true"].values).all()),
+            None,
+        )
         known = self.truth is not None and self.structure is not None
         self.factor = body.magnification(self.structure, self.truth) if known else 1.0
         forcing = float(scalar(collection.find(scene, FULL_ORDER, "forced"), "forcing"))
@@ -46,14 +66,28 @@ class Block:
         self.heading = f"{scene}, forcing {forcing:g}{magnified}"
         self.limits = ((0.0, 1.0), (0.0, 1.0))
         if self.structure is not None:
-            shapes = [np.zeros(self.structure.sizes["dof"]), *(run["final_shape"].values for run in found)]
-            shapes = [shape for shape in [*shapes, self.truth] if shape is not None and np.isfinite(shape).all()]
-            loops = [loop for free in shapes for loop in body.outlines(self.structure, free, self.factor)]
+            shapes = [
+                np.zeros(self.structure.sizes["dof"]),
+                *(run["final_shape"].values for run in found),
+            ]
+            shapes = [
+                shape
+                for shape in [*shapes, self.truth]
+                if shape is not None and np.isfinite(shape).all()
+            ]
+            loops = [
+                loop for free in shapes for loop in body.outlines(self.structure, free, self.factor)
+            ]
             points = np.concatenate(loops)
             side = body.longest_side(self.structure)
             # A shape beyond a few lengths is wrong anyway, and must not shrink the others.
-            low, high = (np.clip(edge, -2.5 * side, 2.5 * side) for edge in (points.min(axis=0), points.max(axis=0)))
-            self.limits = tuple((float(low[axis] - 0.05 * side), float(high[axis] + 0.05 * side)) for axis in (0, 1))
+            low, high = (
+                np.clip(edge, -2.5 * side, 2.5 * side)
+                for edge in (points.min(axis=0), points.max(axis=0))
+            )
+            self.limits = tuple(
+                (float(low[axis] - 0.05 * side), float(high[axis] + 0.05 * side)) for axis in (0, 1)
+            )
 
     @property
     def panel_height(self) -> float:
@@ -61,14 +95,18 @@ class Block:
         return min(3.5, (WIDTH - 0.55) * (top - bottom) / (right - left) + 0.62)
 
     def shapes(self, panel, run) -> None:
-        """The full order filled, the model as an outline; a model that failed leaves the full order alone."""
+        """The full order filled, the model as an outline; a model that failed leaves the full order
+        alone.
+        """
         if self.structure is None:
             return
         for loop in body.outlines(self.structure, np.zeros(self.structure.sizes["dof"])):
             panel.plot(*loop.T, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
         if self.truth is not None:
             cells = body.quadrilaterals(self.structure, self.truth, self.factor)
-            panel.add_collection(PolyCollection(list(cells), facecolor="0.72", edgecolor="0.72", linewidth=0.3))
+            panel.add_collection(
+                PolyCollection(list(cells), facecolor="0.72", edgecolor="0.72", linewidth=0.3)
+            )
         if answered(run) and np.isfinite(run["final_shape"].values).all():
             for loop in body.outlines(self.structure, run["final_shape"].values, self.factor):
                 panel.plot(*loop.T, color="#8a2a0b", linewidth=0.8)

@@ -1,4 +1,6 @@
-"""Forced motion at the probe: the envelope of the whole run, and beside it the last period (figure 3.9)."""
+"""Forced motion at the probe: the envelope of the whole run, and beside it the last period (figure
+3.9).
+"""
 
 import math
 
@@ -23,8 +25,13 @@ def draw(collection, scores, scene) -> Figure:
         cell = cells[place // columns, place % columns].subgridspec(1, 2, width_ratios=(2.2, 1))
         whole, last = cell.subplots(sharey=True)
         seed, run = panels.drawn(collection, scores, scene, method, "forced")
-        whole.set(title=panels.title(method, seed, scores.value(scene, method, seed, "forced", "nmte_percent")),
-                  xlabel="time [s]", ylabel="probe [m]")
+        whole.set(
+            title=panels.title(
+                method, seed, scores.value(scene, method, seed, "forced", "nmte_percent")
+            ),
+            xlabel="time [s]",
+            ylabel="probe [m]",
+        )
         last.set(xlabel="last period [s]", ylabel="probe [m]")
         last.yaxis.label.set_visible(False)
         compare(whole, last, truth, run)
@@ -35,12 +42,16 @@ def draw(collection, scores, scene) -> Figure:
     return figure
 
 
-def envelope(time: np.ndarray, values: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def envelope(
+    time: np.ndarray, values: np.ndarray, period: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Middle [s], smallest and largest value of each period that has one."""
     bins = np.floor((time - time[0]) / period).astype(int)
     good = np.isfinite(values)
     numbers, sizes = np.unique(bins[good], return_counts=True)
-    numbers = numbers[2 * sizes >= sizes.max()]  # the last sample of a run begins a period that it does not fill
+    numbers = numbers[
+        2 * sizes >= sizes.max()
+    ]  # the last sample of a run begins a period that it does not fill
     lows = np.array([values[good & (bins == k)].min() for k in numbers])
     highs = np.array([values[good & (bins == k)].max() for k in numbers])
     return time[0] + (numbers + 0.5) * period, lows, highs
@@ -51,8 +62,13 @@ def compare(whole, last, truth, run) -> None:
     period = float(scalar(truth, "period", scalar(run, "period")))
     if not np.isfinite(period):
         return
-    end = max((float(data["time"].values[-1]) for data in (truth, run) if answered(data)), default=0.0)
-    for data, line, name in ((truth, style.TRUE, "full order"), (run, style.PREDICTED, "reduced model")):
+    end = max(
+        (float(data["time"].values[-1]) for data in (truth, run) if answered(data)), default=0.0
+    )
+    for data, line, name in (
+        (truth, style.TRUE, "full order"),
+        (run, style.PREDICTED, "reduced model"),
+    ):
         values = at_probe(data, "probe_displacement") if answered(data) else None
         if values is None or not np.isfinite(values).any():
             continue

@@ -1,18 +1,24 @@
-"""Loss histories of the methods that train: totals and their terms, on training and test data (figure 3.3)."""
+"""Loss histories of the methods that train: totals and their terms, on training and test data
+(figure 3.3).
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrom.report import thesis
 from vibrom.report.figures import panels, style
+from vibrom.thesis import published as thesis
 
 
 def draw(collection, scores, scene) -> Figure:
     histories, without = [], []
     for method in collection.methods:
         seed, losses = panels.drawn(collection, scores, scene, method, "losses")
-        if losses is None or losses.sizes.get("epoch", 0) == 0 or not np.isfinite(losses["train_total"].values).any():
+        if (
+            losses is None
+            or losses.sizes.get("epoch", 0) == 0
+            or not np.isfinite(losses["train_total"].values).any()
+        ):
             without.append(thesis.label(method))
         else:
             histories.append((method, seed, losses))
@@ -26,7 +32,11 @@ def draw(collection, scores, scene) -> Figure:
         panel.set(xlabel="epoch [–]", ylabel="loss [–]")
     if not histories:
         panels.words(axes[0], "no method of this run has a loss history")
-    note = f"{scene}. No loss history, nothing is trained by epochs: {', '.join(without)}." if without else scene
+    note = (
+        f"{scene}. No loss history, nothing is trained by epochs: {', '.join(without)}."
+        if without
+        else scene
+    )
     figure.suptitle(note, fontsize=7.5, x=0.01, ha="left", style="italic")
     order = sorted(handles, key=lambda name: (not name.startswith("total"), name))
     figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=4)
@@ -40,7 +50,9 @@ def names(losses) -> list[str]:
 
 
 def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
-    """Totals dark, terms thin; training solid, test dashed; colour and marker tell terms apart, alike in all panels."""
+    """Totals dark, terms thin; training solid, test dashed; colour and marker tell terms apart,
+    alike in all panels.
+    """
     epoch, handles = losses["epoch"].values, {}
     for role, dashes, said in (("train", "-", "training"), ("test", (0, (4, 1.5)), "test")):
         for index, term in enumerate(["total", *terms]):
@@ -50,8 +62,16 @@ def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
             if term != "total":
                 every = max(1, len(epoch) // 6)
                 first = every * index // (len(terms) + 2)
-                line = style.look(index - 1, linestyle=dashes, linewidth=0.7, markersize=3.2, markevery=(first, every))
+                line = style.look(
+                    index - 1,
+                    linestyle=dashes,
+                    linewidth=0.7,
+                    markersize=3.2,
+                    markevery=(first, every),
+                )
             values = losses[f"{role}_{term}"].values
             line["label"] = f"{term.replace('_', ' ')}, {said}"
-            handles[line["label"]] = panel.plot(epoch, np.where(values > 0, values, np.nan), **line)[0]
+            handles[line["label"]] = panel.plot(
+                epoch, np.where(values > 0, values, np.nan), **line
+            )[0]
     return handles

@@ -1,4 +1,6 @@
-"""What the figures share: a grid with a panel for each method or scene, the words for a failure, thinned lines."""
+"""What the figures share: a grid with a panel for each method or scene, the words for a failure,
+thinned lines.
+"""
 
 import math
 
@@ -7,17 +9,28 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from vibrom.report import thesis
 from vibrom.report.collection import UNSEEDED, Collection, answered, scalar
 from vibrom.report.scores import Scores
+from vibrom.thesis import published as thesis
 
 ENDINGS = {
-    "diverged": "diverged", "step_underflow": "time step underflowed", "left_range": "left its training range",
-    "no_convergence": "no convergence", "skipped": "skipped", "training_diverged": "training diverged",
+    "diverged": "diverged",
+    "step_underflow": "time step underflowed",
+    "left_range": "left its training range",
+    "no_convergence": "no convergence",
+    "skipped": "skipped",
+    "training_diverged": "training diverged",
 }
 
 
-def grid(count: int, *, columns: int = 3, size: tuple[float, float] = (3.1, 2.0), legend: float = 0.0, **subplots):
+def grid(
+    count: int,
+    *,
+    columns: int = 3,
+    size: tuple[float, float] = (3.1, 2.0),
+    legend: float = 0.0,
+    **subplots,
+):
     """A figure and `count` axes; `legend` [inches] is added to the height for a legend below."""
     columns = max(1, min(columns, count))
     rows = max(1, math.ceil(count / columns))
@@ -31,11 +44,19 @@ def grid(count: int, *, columns: int = 3, size: tuple[float, float] = (3.1, 2.0)
 def words(axes, text: str, *, place: str = "centre") -> None:
     """Say it in the panel."""
     at = {
-        "centre": (0.5, 0.5, "center", "center"), "above": (0.98, 0.96, "right", "top"),
-        "below": (0.02, 0.04, "left", "bottom"), "left": (0.03, 0.96, "left", "top"),
+        "centre": (0.5, 0.5, "center", "center"),
+        "above": (0.98, 0.96, "right", "top"),
+        "below": (0.02, 0.04, "left", "bottom"),
+        "left": (0.03, 0.96, "left", "top"),
         "corner": (0.98, 0.05, "right", "bottom"),
     }[place]
-    box = {"facecolor": "white", "edgecolor": "0.7", "linewidth": 0.5, "alpha": 0.9, "boxstyle": "round,pad=0.25"}
+    box = {
+        "facecolor": "white",
+        "edgecolor": "0.7",
+        "linewidth": 0.5,
+        "alpha": 0.9,
+        "boxstyle": "round,pad=0.25",
+    }
     align = {"ha": at[2], "va": at[3], "transform": axes.transAxes}
     axes.text(at[0], at[1], text, fontsize=7, style="italic", zorder=10, bbox=box, **align)
 
@@ -57,7 +78,9 @@ def ending(dataset: xr.Dataset | None, experiment: str) -> str:
     return f"{text}: {reason}" if reason else text
 
 
-def drawn(collection: Collection, scores: Scores, scene: str, method: str, name: str) -> tuple[str, xr.Dataset | None]:
+def drawn(
+    collection: Collection, scores: Scores, scene: str, method: str, name: str
+) -> tuple[str, xr.Dataset | None]:
     """The seed that is drawn (see `Scores.median_seed`) and its dataset of this name."""
     seeds = collection.seeds(scene, method)
     if not seeds:
@@ -65,13 +88,19 @@ def drawn(collection: Collection, scores: Scores, scene: str, method: str, name:
     seed = scores.median_seed(scene, method, seeds)
     dataset = collection.find(scene, method, name, seed)
     if dataset is not None and not answered(dataset):
-        dataset = dataset.assign_attrs(reason=scalar(collection.find(scene, method, "rom", seed), "reason", ""))
+        dataset = dataset.assign_attrs(
+            reason=scalar(collection.find(scene, method, "rom", seed), "reason", "")
+        )
     return seed, dataset
 
 
 def title(method: str, seed: str, error: float | None = None) -> str:
     """`SPLIT+, seed 1: 0.278 %`."""
-    text = thesis.label(method) if seed == UNSEEDED else f"{thesis.label(method)}, {seed.replace('_', ' ')}"
+    text = (
+        thesis.label(method)
+        if seed == UNSEEDED
+        else f"{thesis.label(method)}, {seed.replace('_', ' ')}"
+    )
     return text if error is None or not np.isfinite(error) else f"{text}: {error:.3g} %"
 
 
@@ -82,7 +111,9 @@ def thinned(*arrays: np.ndarray, limit: int = 1500) -> list[np.ndarray]:
 
 
 def decades(axis) -> None:
-    """Plain numbers at 1, 2 and 5 of each decade of a logarithmic axis, fewer where many decades meet."""
+    """Plain numbers at 1, 2 and 5 of each decade of a logarithmic axis, fewer where many decades
+    meet.
+    """
     low, high = axis.get_view_interval()
     steps = (1.0, 2.0, 5.0) if high < 200 * low else (1.0,)
     axis.set_major_locator(LogLocator(subs=steps, numticks=9))

@@ -1,6 +1,7 @@
 """The decay in reduced coordinates: the encoded truth and the model's own path (figure 3.4).
 
-Of r reduced coordinates the first is drawn against number r/2 + 1: position against velocity for second-order models.
+Of r reduced coordinates the first is drawn against number r/2 + 1: position against velocity for
+second-order models.
 """
 
 import numpy as np
@@ -11,7 +12,9 @@ from vibrom.report.figures import panels, style
 
 
 def draw(collection, scores, scene) -> Figure:
-    figure, axes = panels.grid(max(1, len(collection.methods)), columns=3, size=(2.7, 2.5), legend=0.45)
+    figure, axes = panels.grid(
+        max(1, len(collection.methods)), columns=3, size=(2.7, 2.5), legend=0.45
+    )
     figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
     for panel, method in zip(axes, collection.methods):
         seed, decay = panels.drawn(collection, scores, scene, method, "decay")
@@ -28,13 +31,23 @@ def draw(collection, scores, scene) -> Figure:
 def portrait(panel, decay) -> None:
     size = decay.sizes["coordinate"]
     pair = [0, size // 2] if size > 1 else [0, 0]
-    true, predicted = (decay[name].transpose("coordinate", "time").values[pair] for name in ("encoded", "reduced"))
-    panel.plot(*panels.thinned(*true, limit=2000), **style.TRUE | {"linewidth": 1.5}, label="true trajectory, encoded")
+    true, predicted = (
+        decay[name].transpose("coordinate", "time").values[pair] for name in ("encoded", "reduced")
+    )
+    panel.plot(
+        *panels.thinned(*true, limit=2000),
+        **style.TRUE | {"linewidth": 1.5},
+        label="true trajectory, encoded",
+    )
     fine = style.PREDICTED | {"linewidth": 0.45, "linestyle": "-"}
     panel.plot(*panels.thinned(*predicted, limit=2000), **fine, label="predicted by the model")
     given = "coordinate_units" in decay.variables
-    units = [str(unit) for unit in decay["coordinate_units"].values[pair]] if given else ["–", "1/s"]
-    names = (f"$z_{{{pair[0] + 1}}}$", f"$z_{{{pair[1] + 1}}}$") if size != 2 else ("$z$", r"$\dot z$")
+    units = (
+        [str(unit) for unit in decay["coordinate_units"].values[pair]] if given else ["–", "1/s"]
+    )
+    names = (
+        (f"$z_{{{pair[0] + 1}}}$", f"$z_{{{pair[1] + 1}}}$") if size != 2 else ("$z$", r"$\dot z$")
+    )
     panel.set(xlabel=f"{names[0]} [{units[0]}]", ylabel=f"{names[1]} [{units[1]}]")
     if np.isfinite(true).any():
         panel.set_xlim(*padded(true[0]))

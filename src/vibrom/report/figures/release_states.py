@@ -10,7 +10,9 @@ from vibrom.report.figures.states import states
 
 def draw(collection, scores, scene=None) -> Figure:
     found = states(collection)
-    figure, axes = panels.grid(max(1, len(found)), columns=3, size=(3.0, 2.5), sharex=True, sharey=True)
+    figure, axes = panels.grid(
+        max(1, len(found)), columns=3, size=(3.0, 2.5), sharex=True, sharey=True
+    )
     for panel in axes:
         panel.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
         panel.tick_params(labelbottom=True, labelleft=True)
@@ -20,7 +22,9 @@ def draw(collection, scores, scene=None) -> Figure:
         for loop in body.outlines(state.structure, np.zeros(state.structure.sizes["dof"])):
             panel.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)))
         cells = list(body.quadrilaterals(state.structure, state.displacement))
-        panel.add_collection(PolyCollection(cells, facecolor="0.55", edgecolor="black", linewidth=0.15))
+        panel.add_collection(
+            PolyCollection(cells, facecolor="0.55", edgecolor="black", linewidth=0.15)
+        )
         panel.set_title(f"probe {state.at('probe'):.4f} m, tip {state.at('tip'):.4f} m")
         panels.words(panel, "\n".join(state.used), place="above")
         panel.autoscale_view()

@@ -1,4 +1,6 @@
-"""The different states from which the beams of a run are released, from the smallest to the largest."""
+"""The different states from which the beams of a run are released, from the smallest to the
+largest.
+"""
 
 from typing import NamedTuple
 
@@ -26,15 +28,23 @@ def states(collection: Collection) -> list[State]:
     """One for each different displacement: what one scene trains on another may be tested on."""
     found: list[State] = []
     for scene in collection.scenes:
-        structure, release = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "release"))
+        structure, release = (
+            collection.find(scene, FULL_ORDER, name) for name in ("structure", "release")
+        )
         if structure is None or release is None:
             continue
         for role in release["role"].values:
             free = release["displacement"].sel(role=role).values
-            same = [state for state in found if state.displacement.shape == free.shape
-                    and np.allclose(state.displacement, free, rtol=0, atol=1e-6 * np.abs(free).max())]
+            same = [
+                state
+                for state in found
+                if state.displacement.shape == free.shape
+                and np.allclose(state.displacement, free, rtol=0, atol=1e-6 * np.abs(free).max())
+            ]
             if same:
                 same[0].used.append(f"{scene} {role}")
             else:
                 found.append(State(structure, free, [f"{scene} {role}"]))
-    return sorted(found, key=lambda state: float(body.magnitude(state.structure, state.displacement).max()))
+    return sorted(
+        found, key=lambda state: float(body.magnitude(state.structure, state.displacement).max())
+    )

@@ -13,14 +13,21 @@ LINES = {
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    figure, axes = panels.grid(max(1, len(collection.scenes)), columns=3, size=(3.1, 2.3), legend=0.25)
+    figure, axes = panels.grid(
+        max(1, len(collection.scenes)), columns=3, size=(3.1, 2.3), legend=0.25
+    )
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel="time [s]", ylabel="probe displacement [m]")
         said = []
         for role, line in LINES.items():
             run = collection.find(name, FULL_ORDER, role)
             if run is not None and np.isfinite(at_probe(run, "probe_displacement")).any():
-                panel.plot(*panels.thinned(run["time"].values, at_probe(run, "probe_displacement"), limit=2400), **line)
+                panel.plot(
+                    *panels.thinned(
+                        run["time"].values, at_probe(run, "probe_displacement"), limit=2400
+                    ),
+                    **line,
+                )
             if text := panels.ending(run, f"{role} run"):
                 said.append(f"{role}: {text}" if run is not None else text)
         if said:

@@ -1,0 +1,198 @@
+"""The dataset kinds: what crosses from one rule to the next.
+
+Every artefact is one netCDF file that opens as one `xarray.Dataset`. It names its kind, its scene
+and its model, carries units and long names on all variables (CF conventions), and says which code
+and which packages made it. `save_dataset` refuses what breaks that promise and writes all or
+nothing; `open_dataset` refuses a file that is torn, foreign or of another kind, in one line that
+names the cure.
+"""
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+CONVENTIONS = "CF-1.11"
+UNSEEDED = -1
+FINISHED = ("ok", "left_range")  # outcomes of runs that went all the way
+
+# kind -> variables that a file of that kind always has.
+KINDS: dict[str, frozenset[str]] = {
+    "structure": frozenset(
+        {
+            "node",
+            "element_node",
+            "dof_node",
+            "dof_axis",
+            "mode_shape",
+            "frequency",
+            "load",
+            "probe_dof",
+        }
+    ),
+    "release": frozenset({"displacement"}),
+    "trajectory": frozenset(
+        {"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}
+    ),
+    "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
+    "effects": frozenset(
+        {"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}
+    ),
+    "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
+    "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
+    "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
+    "rom": frozenset({"outcome"}),
+    "losses": frozenset({"train_total"}),
+    "reconstruction": frozenset({"error", "score_value"}),
+    "decay": frozenset({"error", "reduced", "probe_displacement", "outcome", "score_value"}),
+    "backbone": frozenset({"amplitude", "angular_frequency"}),
+    "eigenvalues": frozenset({"real", "imaginary"}),
+    "run_times": frozenset({"score_value"}),
+    "stability": frozenset({"outcome", "failed_at"}),
+}
+
+
+class DataError(ValueError):
+    """A dataset or file that breaks the contract; the message names the file and the cure."""
+
+
+def variable(dims, values, units: str, long_name: str, **attributes) -> xr.Variable:
+    """One array with its units and long name."""
+    return xr.Variable(dims, values, {"units": units, "long_name": long_name, **attributes})
+
+
+def label(
+    dataset: xr.Dataset,
+    kind: str,
+    *,
+    scene: str,
+    method: str,
+    seed: int | None = None,
+    **attributes,
+) -> xr.Dataset:
+    """`dataset` with the attributes that say what it is; seed None is a model that was fitted
+    without one.
+    """
+    return dataset.assign_attrs(
+        kind=kind,
+        scene=scene,
+        method=method,
+        seed=UNSEEDED if seed is None else int(seed),
+        Conventions=CONVENTIONS,
+        title=f"vibrom {kind}: {method} in scene {scene}",
+        **{
+            key: value if isinstance(value, (str, int, float)) else json.dumps(value)
+            for key, value in attributes.items()
+        },
+    )
+
+
+def check(dataset: xr.Dataset, kind: str, where: str) -> None:
+    """Raise `DataError` unless `dataset` is a complete artefact of this kind."""
+    found = dataset.attrs.get("kind")
+    if found != kind:
+        raise DataError(
+            f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the matching rule"
+        )
+    missing = sorted(KINDS.get(kind, frozenset()) - set(dataset.variables))
+    if missing:
+        raise DataError(
+            f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again to make it anew"
+        )
+    bare = sorted(
+        str(name)
+        for name, array in dataset.variables.items()
+        if not {"units", "long_name"} <= set(array.attrs)
+    )
+    if bare:
+        raise DataError(
+            f"{where}: no units or long_name on {', '.join(bare)}; give both to every variable"
+        )
+
+
+def save_dataset(
+    dataset: xr.Dataset, path: str | Path, provenance: dict[str, str] | None = None
+) -> None:
+    """Write all of `dataset` to `path`, or leave `path` as it was."""
+    dataset = dataset.assign_attrs(provenance or {})
+    check(dataset, str(dataset.attrs.get("kind")), str(path))
+    # Coordinates have no gaps (CF), and a fill value on them confuses other readers; integers need
+    # none either.
+    encoding = {
+        name: {"_FillValue": None}
+        for name, array in dataset.variables.items()
+        if name in dataset.coords or array.dtype.kind in "iu"
+    }
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    partial = target.with_name(f".{target.name}.partial")
+    try:
+        dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
+        os.replace(partial, target)
+    except (OSError, RuntimeError) as error:
+        # HDF5 reports a full disk as an error of its own.
+        why = (
+            "no space left on the disk"
+            if shutil.disk_usage(target.parent).free < dataset.nbytes
+            else str(error)
+        )
+        raise DataError(
+            f"{path}: cannot be written ({why}); free space or choose another results folder, then run again"
+        ) from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
+    """The dataset of this kind at `path`, in memory."""
+    if not Path(path).exists():
+        raise DataError(f"{path}: no such file; run the rule that makes this {kind}")
+    try:
+        dataset = xr.load_dataset(path, engine="netcdf4")
+    except (OSError, ValueError, RuntimeError) as error:
+        raise DataError(
+            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again"
+        ) from error
+    check(dataset, kind, str(path))
+    return dataset
+
+
+def scored(dataset: xr.Dataset, values: dict[str, float], units: dict[str, str]) -> xr.Dataset:
+    """`dataset` with its scores, each in its unit; one without a value is NaN."""
+    return dataset.assign(
+        score_value=variable(
+            "score",
+            np.array([values.get(name, np.nan) for name in units], float),
+            "1",
+            "score, in the unit of score_unit",
+        ),
+    ).assign_coords(
+        score=variable("score", np.array(list(units), dtype=object), "1", "name of the score"),
+        score_unit=variable(
+            "score", np.array(list(units.values()), dtype=object), "1", "unit of the score"
+        ),
+    )
+
+
+def outcome_variables(
+    outcome: str, failed_at: float = np.nan, seconds: float = np.nan
+) -> dict[str, xr.Variable]:
+    """How a run ended, when it failed [s of simulated time], and what it took [s of wall time]."""
+    return {
+        "outcome": variable((), outcome, "1", "how the run ended"),
+        "failed_at": variable(
+            (),
+            float(failed_at),
+            "s",
+            "simulated time at which the run failed or first left the training range",
+        ),
+        "seconds": variable(
+            (),
+            float(seconds),
+            "s",
+            "wall time of the computation, loading and compilation excluded",
+        ),
+    }

@@ -1,0 +1,56 @@
+"""Progress of long steps: how far, how fast, how long still. On a terminal a bar, in a log a line
+now and then.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+LINE_EVERY = 10.0  # s between two lines of a log
+
+
+@contextmanager
+def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
+    """Gives `advance(count)`."""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %  {task.fields[rate]}"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=console, transient=True) as progress:
+            task, started = progress.add_task(title, total=total, rate=""), time.monotonic()
+
+            def advance(count: int) -> None:
+                done = progress.tasks[0].completed + count
+                progress.update(
+                    task,
+                    advance=count,
+                    rate=f"{done / max(time.monotonic() - started, 1e-9):,.0f} {unit}/s",
+                )
+
+            yield advance
+        return
+    state = {"done": 0, "spoken": time.monotonic()}
+    started = time.monotonic()
+
+    def speak(count: int) -> None:
+        state["done"] += count
+        now = time.monotonic()
+        if now - state["spoken"] >= LINE_EVERY:
+            state["spoken"] = now
+            rate = state["done"] / (now - started)
+            left = (total - state["done"]) / rate
+            print(
+                f"{title}: {100 * state['done'] / total:3.0f} %, {rate:,.0f} {unit}/s, {left:,.0f} s left",
+                file=sys.stderr,
+                flush=True,
+            )
+
+    yield speak

@@ -1,0 +1,1 @@
+"""The configuration: one declaration of each setting, read, merged and checked."""

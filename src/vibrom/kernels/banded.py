@@ -1,0 +1,217 @@
+"""Symmetric banded matrices for several states side by side.
+
+A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one
+column after the other, the state last. `factorise` and `solve` are the plain column algorithms
+(Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a
+tangent that a far guess made indefinite, where Cholesky's method ends.
+"""
+
+from functools import cache
+
+import numpy as np
+from numba import types
+from scipy.sparse import coo_matrix, spmatrix
+
+from vibrom.kernels.lanes import WIDTH, cut, fill, get, kernel, paste, put
+
+_band = types.float64[:, :, ::1]
+_one = types.float64[:, ::1]
+_places = types.int64[:, ::1]
+
+
+def half_bandwidth(matrix: spmatrix) -> int:
+    entries = coo_matrix(matrix)
+    return int(np.abs(entries.row - entries.col).max(initial=0))
+
+
+def to_band(matrix: spmatrix, half: int) -> np.ndarray:
+    """(n, half + 1) lower band of a symmetric matrix."""
+    entries = coo_matrix(matrix)
+    band = np.zeros((matrix.shape[0], half + 1))
+    lower = entries.row >= entries.col
+    np.add.at(band, (entries.col[lower], (entries.row - entries.col)[lower]), entries.data[lower])
+    return band
+
+
+def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarray:
+    """(elements, d(d+1)/2), or (elements, d*d) for whole matrices, where each entry of an element's
+    matrix goes in the flattened band.
+
+    -1 for clamped ones, and for what a non-symmetric matrix has above the diagonal.
+    """
+    d = dofs.shape[1]
+    rows, columns = (
+        dofs[:, index]
+        for index in (np.tril_indices(d) if symmetric else np.divmod(np.arange(d * d), d))
+    )
+    low, high = np.minimum(rows, columns), np.maximum(rows, columns)
+    return np.ascontiguousarray(
+        np.where((low >= 0) & (symmetric | (rows >= columns)), low * (half + 1) + (high - low), -1)
+    )
+
+
+def product_form(matrices: list[spmatrix], width: int) -> tuple[np.ndarray, ...]:
+    """(values of each matrix, where they stand): what the products take for symmetric matrices (n,
+    n), less their zeros.
+
+    For one state the diagonals from the main one down, values (k, n) and their distances (k, 1),
+    whose rows are long; for more the rows, values (n, k) and their columns (n, k), filled up with
+    zeros on the diagonal.
+    """
+    if not matrices:
+        return np.zeros((0, 0)), np.zeros((0, 0), np.int64)
+    n, pattern = matrices[0].shape[0], sum(abs(matrix) for matrix in matrices).tocsr()
+    pattern.eliminate_zeros()
+    if width == 1:
+        rows, columns = pattern.nonzero()
+        distances = np.unique(np.append((rows - columns)[rows >= columns], 0))
+        return *(
+            np.stack([np.append(matrix.diagonal(-d), np.zeros(d)) for d in distances])
+            for matrix in matrices
+        ), distances[:, None].astype(np.int64)
+    counts = np.diff(pattern.indptr)
+    columns = np.tile(np.arange(n)[:, None], counts.max(initial=1)).astype(np.int64)
+    there = np.arange(columns.shape[1]) < counts[:, None]
+    columns[there] = pattern.indices
+    return *(
+        np.where(there, matrix.tocsr()[np.arange(n)[:, None], columns].toarray(), 0.0)
+        for matrix in matrices
+    ), columns
+
+
+@kernel(types.void(_one, _places, _one, _one))
+def _multiply_add_alone(diagonals, distances, x, y):
+    n = diagonals.shape[1]
+    x, y = x.reshape(n), y.reshape(n)
+    for j in range(n):
+        y[j] += diagonals[0, j] * x[j]
+    for k in range(1, len(distances)):
+        d, row = distances[k, 0], diagonals[k]
+        ahead, below = x[d:], y[d:]  # an index j + d would be asked whether it is negative
+        for j in range(n - d):
+            below[j] += row[j] * x[j]
+        for j in range(n - d):
+            y[j] += row[j] * ahead[j]
+
+
+@kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+def _multiply_add_both_alone(first, second, distances, a, b, x, y):
+    n = first.shape[1]
+    x, y, a, b = x.reshape(n), y.reshape(n), a[0, 0], b[0, 0]
+    for j in range(n):
+        y[j] += (a * first[0, j] + b * second[0, j]) * x[j]
+    for k in range(1, len(distances)):
+        d, one, other = distances[k, 0], first[k], second[k]
+        ahead, below = x[d:], y[d:]
+        for j in range(n - d):
+            below[j] += (a * one[j] + b * other[j]) * x[j]
+        for j in range(n - d):
+            y[j] += (a * one[j] + b * other[j]) * ahead[j]
+
+
+@cache
+def kernels(width: int):
+    """(multiply_add, multiply_add_both, combine, factorise, solve) for `width` states; the products
+    take matrices in `product_form`.
+    """
+
+    @kernel(types.void(_one, _places, _one, _one))
+    def multiply_add(values, columns, x, y):
+        """Y += A x."""
+        n, entries = values.shape
+        for i in range(n):
+            total = get(y, i, width)
+            for k in range(entries):
+                total += values[i, k] * get(x, columns[i, k], width)
+            put(y, i, total)
+
+    @kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+    def multiply_add_both(first, second, columns, a, b, x, y):
+        """Y += a A x + b B x, with a and b (1, width)."""
+        n, entries = first.shape
+        by_first, by_second = get(a, 0, width), get(b, 0, width)
+        for i in range(n):
+            one = other = fill(0.0, width)
+            for k in range(entries):
+                here = get(x, columns[i, k], width)
+                one += first[i, k] * here
+                other += second[i, k] * here
+            put(y, i, get(y, i, width) + by_first * one + by_second * other)
+
+    @kernel(types.void(_band, _one, _band))
+    def combine(parts, scales, band):
+        """Band = sum_k scales[k] parts[k] of parts (k, n, b + 1) that all states share; scales (k,
+        width).
+        """
+        n, depth = band.shape[0], band.shape[1]
+        entries, parts = band.reshape(n * depth, width), parts.reshape(parts.shape[0], n * depth)
+        for at in range(n * depth):
+            total = parts[0, at] * get(scales, 0, width)
+            for k in range(1, len(parts)):
+                total += parts[k, at] * get(scales, k, width)
+            put(entries, at, total)
+
+    @kernel(types.void(_band))
+    def factorise(band):
+        """A = L D L' in place, without pivots; a state with a zero pivot ends as NaN and spoils no
+        other.
+        """
+        n, depth = band.shape[0], band.shape[1]
+        entries = band.reshape(n * depth, width)
+        for j in range(n):
+            inverse = 1.0 / get(entries, j * depth, width)
+            reach = min(depth, n - j)
+            if width == 1 and depth > 3 * WIDTH:  # long enough for lanes along the column
+                for d in range(1, reach):
+                    value, k = band[j, d, 0] / band[j, 0, 0], d
+                    while k + WIDTH <= reach:
+                        at = (j + d) * depth + k - d
+                        paste(
+                            entries,
+                            at,
+                            cut(entries, at, WIDTH) - value * cut(entries, j * depth + k, WIDTH),
+                        )
+                        k += WIDTH
+                    while k < reach:
+                        band[j + d, k - d, 0] -= value * band[j, k, 0]
+                        k += 1
+            else:
+                for d in range(1, reach):
+                    value = inverse * get(entries, j * depth + d, width)
+                    for k in range(d, reach):
+                        at = (j + d) * depth + k - d
+                        put(
+                            entries,
+                            at,
+                            get(entries, at, width) - value * get(entries, j * depth + k, width),
+                        )
+            # The column becomes that of L, and the diagonal keeps 1/D_j: substitution multiplies by
+            # it.
+            for d in range(1, reach):
+                put(entries, j * depth + d, inverse * get(entries, j * depth + d, width))
+            put(entries, j * depth, inverse)
+
+    @kernel(types.void(_band, _one))
+    def solve(band, x):
+        """X becomes A^-1 x, from the factors that `factorise` left in `band`."""
+        n, depth = band.shape[0], band.shape[1]
+        entries = band.reshape(n * depth, width)
+        for j in range(n):
+            here = get(x, j, width)
+            for d in range(1, min(depth, n - j)):
+                put(x, j + d, get(x, j + d, width) - get(entries, j * depth + d, width) * here)
+            put(x, j, here * get(entries, j * depth, width))
+        for j in range(n - 1, -1, -1):
+            here = get(x, j, width)
+            for d in range(
+                min(depth, n - j) - 1, 0, -1
+            ):  # the newest last: only that product waits for the row before
+                here -= get(entries, j * depth + d, width) * get(x, j + d, width)
+            put(x, j, here)
+
+    products = (
+        (multiply_add, multiply_add_both)
+        if width > 1
+        else (_multiply_add_alone, _multiply_add_both_alone)
+    )
+    return *products, combine, factorise, solve

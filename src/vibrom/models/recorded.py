@@ -1,0 +1,66 @@
+"""From recorded motion to what a method learns from.
+
+Velocity and acceleration are either the integrator's own, or sixth-order central differences of the
+displacements, as for data that someone measured:  h y' = sum_k c_k y_k,  h^2 y'' = sum_k d_k y_k
+over seven samples (Fornberg, Math. Comp. 51 (1988) 699); three samples are lost at each end.
+"""
+
+import numpy as np
+import xarray as xr
+from scipy.sparse import csr_matrix
+
+from vibrom.artefacts.data import DataError
+from vibrom.models.rom import Structure, Trajectory
+
+FIRST = np.array([-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60])
+SECOND = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90])
+
+
+def differences(displacement: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """(velocity, acceleration) (m - 6, n) at the inner samples of `displacement` (m, n), `step`
+    seconds apart.
+
+    Take them before thinning the samples: motion of the higher modes between thinned samples would
+    spoil them.
+    """
+    inner = len(displacement) - len(FIRST) + 1
+    if inner < 1:
+        raise DataError(
+            f"{len(displacement)} samples are too few for differences over {len(FIRST)}; record a longer decay"
+        )
+    windows = [displacement[shift : shift + inner] for shift in range(len(FIRST))]
+    velocity = sum(c * w for c, w in zip(FIRST, windows) if c) / step
+    return velocity, sum(c * w for c, w in zip(SECOND, windows)) / step**2
+
+
+def trajectory(dataset: xr.Dataset) -> Trajectory:
+    """The finite part of a recorded decay."""
+    finite = np.isfinite(dataset["displacement"].values).all(axis=1)
+    return Trajectory(
+        dataset["time"].values[finite],
+        *(dataset[name].values[finite] for name in ("displacement", "velocity", "acceleration")),
+    )
+
+
+def structure(dataset: xr.Dataset) -> Structure:
+    """The operators and modes of a scene."""
+    n = dataset.sizes["dof"]
+
+    def operator(name: str) -> csr_matrix:
+        if f"{name}_value" not in dataset:
+            return csr_matrix((n, n))
+        return csr_matrix(
+            (
+                dataset[f"{name}_value"].values,
+                (dataset[f"{name}_row"].values, dataset[f"{name}_column"].values),
+            ),
+            shape=(n, n),
+        )
+
+    return Structure(
+        operator("mass"),
+        operator("damping"),
+        operator("stiffness"),
+        dataset["mode_shape"].values,
+        dataset["frequency"].values,
+    )

@@ -1,0 +1,1 @@
+"""Solvers of the full order: time integration, equilibria, modes."""

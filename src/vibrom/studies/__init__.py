@@ -1,0 +1,1 @@
+"""One file a study: an experiment repeated while something varies."""

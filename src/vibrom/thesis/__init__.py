@@ -1,0 +1,1 @@
+"""The published numbers, and the promises that are checked against them."""
