@@ -34,7 +34,7 @@ from vibrom.artefacts.data import open_dataset
 from vibrom.methods.ssmlearn import SsmLearn
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
-from vibrom.models.reduced import LIMIT, Drive, Integrator, rollout
+from vibrom.models.rollout import LIMIT, Drive, Integrator, rollout
 from vibrom.models.rom import Training, rom_from_dataset
 from vibrom.report.figures.style import look
 

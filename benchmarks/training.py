@@ -41,7 +41,7 @@ from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.training import Learner, Schedule, epochs, warm_up
 from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import structure, trajectory
-from vibrom.models.reduced import Integrator, decode_displacement, rollout
+from vibrom.models.rollout import Integrator, decode_displacement, rollout
 from vibrom.models.rom import Rom, Training, method_from_settings
 from vibrom.report.figures.style import look
 from vibrom.thesis.published import LABELS, percent, run_time

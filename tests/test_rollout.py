@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from oscillators import OMEGA, linear_rom
 
-from vibrom.models.reduced import Drive, Integrator, decode_displacement, rollout
+from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
 from vibrom.models.rom import MethodError, Rom, rom_from_dataset
 
 
@@ -81,7 +81,7 @@ def test_a_stored_model_moves_as_the_one_that_was_stored():
 
 PROCESS = """
 import sys
-import vibrom.latent.autoencoder_rom, vibrom.latent.polynomial_rom, vibrom.models.reduced
+import vibrom.latent.autoencoder_rom, vibrom.latent.polynomial_rom, vibrom.models.rollout
 assert "numba" not in sys.modules, "a model that is not rolled out imports a compiler"
 from vibrom.latent import decoder_kernel, polynomial_kernel
 from vibrom.solvers.reduced import dop853_loop

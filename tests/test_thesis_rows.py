@@ -15,7 +15,7 @@ import yaml
 from vibrom.artefacts.data import open_dataset
 from vibrom.experiments import decay, eigenvalues, reconstruction
 from vibrom.models.recorded import structure, trajectory
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Training, method_from_settings
 from vibrom.steps import full_order_decay, release
 from vibrom.steps import structure as structure_step

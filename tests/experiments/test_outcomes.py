@@ -10,7 +10,7 @@ from oscillators import OMEGA, linear_rom
 from vibrom import experiments
 from vibrom.artefacts.data import label, open_dataset, outcome_variables, save_dataset, variable
 from vibrom.experiments import frc, run_times
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.steps import experiment, fit
 
 SETTINGS = {"rtol": 1e-8, "atol": 1e-10}

@@ -10,7 +10,7 @@ from vibrom.experiments.backbone import frequency_error, peak_finding_and_fittin
 from vibrom.experiments.eigenvalues import jacobian
 from vibrom.models.measures import amplitude_and_phase, nmte_percent
 from vibrom.models.recorded import differences
-from vibrom.models.reduced import Drive, Integrator, rollout
+from vibrom.models.rollout import Drive, Integrator, rollout
 
 
 def test_amplitude_and_phase_of_a_harmonic():

@@ -17,7 +17,7 @@ from vibrom.latent.polynomial import exponents, monomials, slopes
 from vibrom.latent.polynomial_kernel import polynomial_kernel
 from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.methods.modal_projection import ModalProjection
-from vibrom.models.reduced import Integrator, rollout
+from vibrom.models.rollout import Integrator, rollout
 from vibrom.models.rom import (
     Guards,
     MethodError,

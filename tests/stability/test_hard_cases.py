@@ -14,7 +14,7 @@ from vibrom.artefacts.data import FINISHED
 from vibrom.bodies import space
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.methods.ssmlearn import SsmLearn
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Guards, Structure, Training, Trajectory
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.steps.cost_reduced import ERRORS, Row, Study, as_dataset
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, scored, variable
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 
 needs = ("decay", "test")
 full_order = ("test",)

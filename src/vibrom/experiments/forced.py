@@ -11,7 +11,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, scored, variable
 from vibrom.models.measures import nmte_percent
-from vibrom.models.reduced import Drive, Integrator, decode_displacement, rollout
+from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
 
 needs = ("structure", "rom", "forced")
 full_order = None

@@ -12,7 +12,7 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, scored, variable
 from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import trajectory
-from vibrom.models.reduced import Integrator, decode_displacement
+from vibrom.models.rollout import Integrator, decode_displacement
 
 needs = ("structure", "rom", "test")
 full_order = None

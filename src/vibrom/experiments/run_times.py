@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import FINISHED, outcome_variables, scored
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 
 needs = ("train", "rom", "decay", "forced", "frc")
 full_order = ("test", "forced", "frc")

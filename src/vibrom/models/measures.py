@@ -1,27 +1,86 @@
-"""Numbers that compare motions: the error of a trajectory, the amplitude and the phase of a
-periodic response.
+"""Numbers that compare motions, each defined once: errors of trajectories and of response curves,
+amplitude and phase of a periodic response, zero crossings.
 """
+
+from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 
-def amplitude_and_phase(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(max, phase [rad] in (-2 pi, 0]) of whole periods `samples` (..., m) that start with a period
-    of the forcing sin(Omega t).
+def nmte_percent(truth: np.ndarray, model: np.ndarray) -> float:
+    """Normalised mean-trajectory error:  NMTE = 100 mean_t |y - y_model| / max_t |y|  in percent.
 
-    The phase is that of the first harmonic, y ~ A sin(Omega t + phase); the maximum is that of y,
-    not of |y|.
+    y and y_model (m, n), |.| the Euclidean norm over the n free displacements; NaN where the model
+    failed before the end. Source: thesis, section 3.2.3.
+    """
+    error = np.linalg.norm(truth - model, axis=-1)
+    return float(100.0 * error.mean() / np.linalg.norm(truth, axis=-1).max())
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """What whole periods of a response show, one entry for each leading index of the samples."""
+
+    maximum: np.ndarray  # the largest value, with its sign
+    minimum: np.ndarray  # the smallest value, with its sign
+    phase: np.ndarray  # rad in (-2 pi, 0], of the first harmonic:  y ~ A sin(Omega t + phase)
+
+    @property
+    def half_range(self) -> np.ndarray:
+        """Half the distance from the minimum to the maximum: the amplitude of a symmetric swing."""
+        return 0.5 * (self.maximum - self.minimum)
+
+
+def periodic(samples: np.ndarray) -> Periodic:
+    """Of `samples` (..., m) of whole periods that start with a period of the forcing sin(Omega t).
+
+    The thesis's amplitude is the maximum of y, not of |y|.
     """
     m = samples.shape[-1]
     harmonic = samples @ np.exp(-2j * np.pi * np.arange(m) / m)
     phase = np.angle(1j * harmonic)  # sin(x) = Im e^ix: its own harmonic is -i m / 2
-    return samples.max(axis=-1), np.where(phase > 0.0, phase - 2 * np.pi, phase)
+    phase = np.where(phase > 0.0, phase - 2 * np.pi, phase)
+    return Periodic(samples.max(axis=-1), samples.min(axis=-1), phase)
 
 
-def nmte_percent(error: np.ndarray, truth: np.ndarray) -> float:
-    """Normalised mean-trajectory error:  NMTE = 100 mean_t |y - y_model| / max_t |y|  in percent,
-    |.| the Euclidean norm over the free dofs.
+@dataclass(frozen=True)
+class CurveError:
+    """A response curve against the true one, point by point at the same frequencies."""
 
-    From |y - y_model| (m,) and y (m, n); NaN when the model failed before the end.
+    median_percent: float  # median of |A/A_true - 1|; infinite where more than half have no value
+    peak_percent: float  # A_max/A_true,max - 1, with its sign; NaN for a curve with gaps
+    peak_steps: float  # frequencies between the two peaks; NaN for a curve with gaps
+    completed: int  # points with a value
+
+
+def curve_error(amplitude: np.ndarray, truth: np.ndarray) -> CurveError:
+    """Of amplitudes (k,) [m] against `truth` (k,) [m].
+
+    A point of the model that failed (NaN) counts as infinitely wrong; where the truth failed there
+    is nothing to compare with. Models fail at the peak first, so that a curve with gaps has no
+    peak.
     """
-    return float(100.0 * error.mean() / np.linalg.norm(truth, axis=-1).max())
+    known = np.isfinite(truth)
+    completed = int(np.isfinite(amplitude).sum())
+    if not known.any():
+        return CurveError(float("nan"), float("nan"), float("nan"), completed)
+    error = 100.0 * np.abs(amplitude[known] / truth[known] - 1.0)
+    median = float(np.median(np.where(np.isfinite(error), error, np.inf)))
+    if not (np.isfinite(amplitude).all() and known.all()):
+        return CurveError(median, float("nan"), float("nan"), completed)
+    peak = float(100.0 * (amplitude.max() / truth.max() - 1.0))
+    steps = float(abs(int(amplitude.argmax()) - int(truth.argmax())))
+    return CurveError(median, peak, steps, completed)
+
+
+def crossings(time: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Instants (k,) at which x (m,) changes sign, by linear interpolation between the samples at
+    `time` (m,), and the sample (k,) before each. None where x is not finite throughout.
+    """
+    if not np.isfinite(x).all():
+        return np.zeros(0), np.zeros(0, np.int64)
+    (before,) = np.nonzero(np.signbit(x[:-1]) != np.signbit(x[1:]))
+    rise = x[before + 1] - x[before]
+    return time[before] - x[before] * (time[before + 1] - time[before]) / rise, before

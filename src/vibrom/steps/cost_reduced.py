@@ -30,7 +30,7 @@ from vibrom.artefacts.hardware import description
 from vibrom.artefacts.progress import bar
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.models.rom import (
     MethodError,
     Monitor,

@@ -14,7 +14,7 @@ from vibrom.artefacts.data import (
     scored,
     variable,
 )
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.models.rom import rom_from_dataset
 
 KINDS = {"train": "trajectory", "test": "trajectory"}

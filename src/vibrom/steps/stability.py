@@ -16,7 +16,7 @@ from vibrom.models.energy import energy
 from vibrom.models.full_order import build
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
-from vibrom.models.reduced import Integrator
+from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Guards, MethodError, Training, rom_from_dataset
 from vibrom.studies import grid
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.models.reduced import Drive, Integrator, rollout
+from vibrom.models.rollout import Drive, Integrator, rollout
 from vibrom.models.rom import Rom
 
 KINDS = ("forced from rest", "released", "forced from a release")
