@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import DataError
-from vibrom.models.rom import Structure, Trajectory
+from vibrom.models.training import Structure, Trajectory
 
 FIRST = np.array([-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60])
 SECOND = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90])
