@@ -17,42 +17,25 @@ import xarray as xr
 
 CONVENTIONS = "CF-1.11"
 UNSEEDED = -1
-FINISHED = ("ok", "left_range")  # outcomes of runs that went all the way
 
-# kind -> variables that a file of that kind always has.
+# kind -> variables that a file of that kind always has. Of an experiment that is what makes it one:
+# an outcome and scores.
 KINDS: dict[str, frozenset[str]] = {
     "structure": frozenset(
-        {
-            "node",
-            "element_node",
-            "dof_node",
-            "dof_axis",
-            "mode_shape",
-            "frequency",
-            "load",
-            "probe_dof",
-        }
+        {"node", "element_node", "dof_node", "dof_axis", "mode_shape", "frequency", "load"}
     ),
     "release": frozenset({"displacement"}),
     "trajectory": frozenset(
         {"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}
     ),
-    "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
-    "effects": frozenset(
-        {"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}
-    ),
-    "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
+    "ablation": frozenset({"first_frequency", "decay_nmte", "seconds_per_step", "outcome"}),
     "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
     "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
+    "robustness": frozenset({"outcome", "failed_at"}),
     "rom": frozenset({"outcome"}),
     "losses": frozenset({"train_total"}),
-    "reconstruction": frozenset({"error", "score_value"}),
-    "decay": frozenset({"error", "reduced", "probe_displacement", "outcome", "score_value"}),
-    "backbone": frozenset({"amplitude", "angular_frequency"}),
-    "eigenvalues": frozenset({"real", "imaginary"}),
-    "run_times": frozenset({"score_value"}),
-    "stability": frozenset({"outcome", "failed_at"}),
 }
+ANSWER = frozenset({"outcome", "failed_at", "seconds", "score_value"})
 
 
 class DataError(ValueError):
@@ -97,7 +80,7 @@ def check(dataset: xr.Dataset, kind: str, where: str) -> None:
         raise DataError(
             f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the matching rule"
         )
-    missing = sorted(KINDS.get(kind, frozenset()) - set(dataset.variables))
+    missing = sorted(KINDS.get(kind, ANSWER) - set(dataset.variables))
     if missing:
         raise DataError(
             f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again to make it anew"

@@ -72,9 +72,26 @@ def _strip(node) -> None:
 
 
 def constants(folder: str, name: str) -> dict[str, object]:
-    """The plug's module-level constants that are literals."""
+    """The plug's constants that are literals: those of its module and, where it defines one class,
+    those of the class and of the classes above it.
+    """
+    module = f"vibrom.{folder.replace('/', '.')}.{name}"
+    classes = [node for node in tree(module).body if isinstance(node, ast.ClassDef)]
+    own = _class_constants(module, classes[-1]) if classes else {}
+    return _literals(tree(module).body) | own
+
+
+def _class_constants(module: str, node: ast.ClassDef) -> dict[str, object]:
     found: dict[str, object] = {}
-    for node in tree(f"vibrom.{folder}.{name}").body:
+    for home, parent in _parents(module, node):
+        found |= _class_constants(home, parent)
+    return found | _literals(node.body)
+
+
+def _literals(body: list[ast.stmt]) -> dict[str, object]:
+    """The assignments of literals to a name among these statements."""
+    found: dict[str, object] = {}
+    for node in body:
         targets = (
             node.targets
             if isinstance(node, ast.Assign)

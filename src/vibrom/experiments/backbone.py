@@ -63,7 +63,6 @@ def first_probe(backbone: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return curve[0][finite], curve[1][finite]
 
 
-
 def peak_finding_and_fitting(
     time: np.ndarray, x: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,11 +7,17 @@ they are left alone; instants that are watched lie on those steps.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from vibrom import effects
 from vibrom.artefacts.progress import bar
+from vibrom.bodies import space
+from vibrom.config.scene import Time
 from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.recorded import damped_frequency
 from vibrom.solvers.full import newmark
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
@@ -33,6 +39,26 @@ class FullOrder:
     rest: np.ndarray  # (n,) m, equilibrium under the dead load
     title: str = "full order"  # for the progress bar
 
+    @classmethod
+    def of_scene(cls, scene: dict[str, Any], known: xr.Dataset) -> FullOrder:
+        """The model of a scene with the blocks `body`, `effects` and `time`; `known` is its
+        structure.
+        """
+        body, time = space.build(scene["body"]), Time.from_builtins(scene["time"])
+        omega, zeta = known["frequency"].values, known["damping_ratio"].values
+        root = np.sqrt(zeta.astype(complex) ** 2 - 1.0)
+        return cls(
+            term=effects.assemble(body, scene["effects"]),
+            probes=known["probe_dof"].values,
+            newmark=Newmark(alpha=time.alpha, tolerance=time.residual),
+            steps_per_period=time.steps_per_period,
+            initial_acceleration=time.initial_acceleration,
+            frequency=damped_frequency(known),
+            poles=np.concatenate([omega * (-zeta + root), omega * (-zeta - root)]),
+            rest=known["equilibrium"].values if "equilibrium" in known else np.zeros(body.size),
+            title=str(known.attrs["scene"]),
+        )
+
     @property
     def size(self) -> int:
         """n, free displacements."""
@@ -52,7 +78,7 @@ class FullOrder:
         """It has no reduced coordinates."""
 
     def eigenvalues(self) -> np.ndarray:
-        """omega (-zeta +- sqrt(zeta^2 - 1)) of its modes [1/s]."""
+        """Omega (-zeta +- sqrt(zeta^2 - 1)) of its modes [1/s]."""
         return self.poles
 
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
@@ -126,9 +152,7 @@ def steps_of(instants: np.ndarray, step: np.ndarray) -> np.ndarray:
 def _record(watches: tuple[Watch, ...], places: list[np.ndarray], last: int) -> Record:
     """What the integrator must keep to answer these watches."""
     whole = [place for watch, place in zip(watches, places) if watch.dofs is None]
-    some = [
-        (watch.dofs, place) for watch, place in zip(watches, places) if watch.dofs is not None
-    ]
+    some = [(watch.dofs, place) for watch, place in zip(watches, places) if watch.dofs is not None]
     start, every = last + 1, 1
     if whole:
         wanted = np.unique(np.concatenate(whole))

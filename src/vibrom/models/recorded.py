@@ -64,3 +64,9 @@ def structure(dataset: xr.Dataset) -> Structure:
         dataset["mode_shape"].values,
         dataset["frequency"].values,
     )
+
+
+def damped_frequency(known: xr.Dataset) -> float:
+    """omega_1 sqrt(1 - zeta_1^2) [rad/s] of a scene's structure."""
+    first = known.isel(mode=0)
+    return float(first["frequency"]) * np.sqrt(1.0 - float(first["damping_ratio"]) ** 2)

@@ -6,8 +6,10 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 
 from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
 from vibrom.models.rollout import Integrator, decode_displacement, rollout
 from vibrom.models.rom import Rom
@@ -26,6 +28,12 @@ class Reduced:
     integrator: Integrator
     # Of a period: a maximum between two instants is missed by at most (pi/500)^2/2 = 2e-5 of it.
     samples: int = 500
+
+    @classmethod
+    def of_scene(cls, rom: Rom, known: xr.Dataset, integrator: Integrator) -> Reduced:
+        """A fitted model in the scene of this structure."""
+        load, probes = known["load"].values, known["probe_dof"].values
+        return cls(rom, load, probes, damped_frequency(known), integrator)
 
     @property
     def size(self) -> int:
@@ -46,7 +54,10 @@ class Reduced:
         """See `Model.motion`."""
         runs, encoded = len(start), self.rom.encode(start)
         forcing = drive and LoadedDrive(self.load, drive.amplitude, drive.frequency)
-        every = [np.broadcast_to(watch.instants, (runs, np.shape(watch.instants)[-1])) for watch in watches]
+        every = [
+            np.broadcast_to(watch.instants, (runs, np.shape(watch.instants)[-1]))
+            for watch in watches
+        ]
         instants = np.concatenate(every, axis=1)
         order = np.argsort(instants, axis=1, kind="stable")
         began = time.perf_counter()
