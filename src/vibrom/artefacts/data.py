@@ -21,9 +21,7 @@ UNSEEDED = -1
 # kind -> variables that a file of that kind always has. Of an experiment that is what makes it one:
 # an outcome and scores.
 KINDS: dict[str, frozenset[str]] = {
-    "structure": frozenset(
-        {"node", "element_node", "dof_node", "dof_axis", "mode_shape", "frequency", "load"}
-    ),
+    "structure": frozenset({"mode_shape", "frequency", "damping_ratio", "load", "probe_dof"}),
     "release": frozenset({"displacement"}),
     "trajectory": frozenset(
         {"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}

@@ -69,8 +69,8 @@ class Experiment(ABC):
         return self
 
 
-def experiment(name: str, settings: Mapping[str, Any] | None = None) -> Experiment:
-    """The one Experiment of `experiments/<name>.py`, with these settings."""
+def plug(name: str) -> type[Experiment]:
+    """The one class below Experiment that `experiments/<name>.py` defines."""
     module = importlib.import_module(f"vibrom.experiments.{name}")
     found = [
         item
@@ -84,12 +84,18 @@ def experiment(name: str, settings: Mapping[str, Any] | None = None) -> Experime
             f"experiments/{name}.py defines {len(found)} experiments; define exactly one subclass "
             "of Experiment"
         )
-    known = {item.name for item in dataclasses.fields(found[0])}
+    return found[0]
+
+
+def experiment(name: str, settings: Mapping[str, Any] | None = None) -> Experiment:
+    """The experiment of this name, with these settings."""
+    kind = plug(name)
+    known = {item.name for item in dataclasses.fields(kind)}
     if unknown := sorted(set(settings or {}) - known):
         raise ExperimentError(
             f"experiments.{name}.{unknown[0]} is no setting; choose from {', '.join(sorted(known))}"
         )
-    return found[0](**(settings or {}))
+    return kind(**(settings or {}))
 
 
 class ExperimentError(ValueError):
