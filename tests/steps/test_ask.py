@@ -99,7 +99,10 @@ def test_a_model_that_could_not_be_fitted_is_evaluated_by_no_experiment(tmp_path
     unfit = xr.Dataset({"outcome": variable((), "training_diverged", "1", "fit")})
     unfit = unfit.assign_attrs(reason="loss is NaN in epoch 3")
     paths = paths | {"rom": saved(tmp_path, "unfit", unfit, "rom")}
-    for name in sorted(plugs.names("experiments"), key=lambda name: len(plug(name).reads)):
+    for name in sorted(
+        plugs.names("experiments"),
+        key=lambda name: len({*plug(name).reads} - {"train", "test", "fit"}),
+    ):
         answer = run(tmp_path, paths, name)
         assert answer["outcome"].item() == "training_diverged", name
         assert answer.attrs["reason"] == "loss is NaN in epoch 3" and not answer.attrs["answered"]

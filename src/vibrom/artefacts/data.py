@@ -8,12 +8,12 @@ names the cure.
 """
 
 import json
-import os
-import shutil
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+
+from vibrom.artefacts.files import DataError, replacing
 
 CONVENTIONS = "CF-1.11"
 UNSEEDED = -1
@@ -34,10 +34,6 @@ KINDS: dict[str, frozenset[str]] = {
     "losses": frozenset({"train_total"}),
 }
 ANSWER = frozenset({"outcome", "failed_at", "seconds", "score_value"})
-
-
-class DataError(ValueError):
-    """A dataset or file that breaks the contract; the message names the file and the cure."""
 
 
 def variable(dims, values, units: str, long_name: str, **attributes) -> xr.Variable:
@@ -76,12 +72,13 @@ def check(dataset: xr.Dataset, kind: str, where: str) -> None:
     found = dataset.attrs.get("kind")
     if found != kind:
         raise DataError(
-            f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the matching rule"
+            f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the "
+            "matching rule"
         )
     missing = sorted(KINDS.get(kind, ANSWER) - set(dataset.variables))
     if missing:
         raise DataError(
-            f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again to make it anew"
+            f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again"
         )
     bare = sorted(
         str(name)
@@ -107,24 +104,8 @@ def save_dataset(
         for name, array in dataset.variables.items()
         if name in dataset.coords or array.dtype.kind in "iu"
     }
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    partial = target.with_name(f".{target.name}.partial")
-    try:
+    with replacing(path, dataset.nbytes) as partial:
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
-        os.replace(partial, target)
-    except (OSError, RuntimeError) as error:
-        # HDF5 reports a full disk as an error of its own.
-        why = (
-            "no space left on the disk"
-            if shutil.disk_usage(target.parent).free < dataset.nbytes
-            else str(error)
-        )
-        raise DataError(
-            f"{path}: cannot be written ({why}); free space or choose another results folder, then run again"
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
@@ -135,7 +116,8 @@ def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError, RuntimeError) as error:
         raise DataError(
-            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again"
+            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and "
+            "run again"
         ) from error
     check(dataset, kind, str(path))
     return dataset
