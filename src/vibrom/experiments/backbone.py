@@ -15,6 +15,7 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import crossings
+from vibrom.models.model import Model
 
 MEAN_OF = 4
 
@@ -28,7 +29,7 @@ class Backbone(Experiment):
     truth = "backbone"
     of_model = False
 
-    def ask(self, model: None, given: Given) -> xr.Dataset:
+    def ask(self, model: Model | None, given: Given) -> xr.Dataset:
         """The backbone at every probe of the model's own decay."""
         decay = given.answers["decay"]
         curves = [

@@ -37,7 +37,7 @@ class Eigenvalues(Experiment):
             }
         )
 
-    def score(self, answer: xr.Dataset, truth: None) -> dict[str, float]:
+    def score(self, answer: xr.Dataset, truth: xr.Dataset | None) -> dict[str, float]:
         """The one of least size in the upper half plane."""
         values = answer["real"].values + 1j * answer["imaginary"].values
         upper = values[values.imag >= 0]

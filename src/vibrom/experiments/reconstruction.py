@@ -14,8 +14,8 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import nmte_percent
+from vibrom.models.model import Model
 from vibrom.models.recorded import trajectory
-from vibrom.models.reduced import Reduced
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Reconstruction(Experiment):
     truth = "test"
     of_full_order = False
 
-    def ask(self, model: Reduced, given: Given) -> xr.Dataset:
+    def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Reduced coordinates of the true motion, and the displacements that they stand for."""
         record = trajectory(given.answers["test"])
         began = time.perf_counter()

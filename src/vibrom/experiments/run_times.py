@@ -13,6 +13,7 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables
 from vibrom.artefacts.outcome import Outcome, worst
 from vibrom.experiments import Experiment, Given
+from vibrom.models.model import Model
 
 # score -> the answer that it is read from, and the variable there
 SOURCES = {
@@ -40,7 +41,7 @@ class RunTimes(Experiment):
     reads = ("train", "fit", "decay", "forced", "frc")
     of_model = False
 
-    def ask(self, model: None, given: Given) -> xr.Dataset:
+    def ask(self, model: Model | None, given: Given) -> xr.Dataset:
         """What did not go all the way has no time: a model that blows up is not a fast one."""
         found = {
             name: given.answers[source]
@@ -55,6 +56,6 @@ class RunTimes(Experiment):
         failed = [outcome for outcome in ended.values() if not outcome.has_value]
         return xr.Dataset({**seconds, **outcome_variables(failed[0] if failed else Outcome.OK)})
 
-    def score(self, answer: xr.Dataset, truth: None) -> dict[str, float]:
+    def score(self, answer: xr.Dataset, truth: xr.Dataset | None) -> dict[str, float]:
         """The seconds."""
         return {name: float(answer[name]) for name in self.scores if name in answer}

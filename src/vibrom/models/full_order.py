@@ -18,7 +18,7 @@ from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.model import Drive, Motion, Watch
 from vibrom.models.recorded import damped_frequency
-from vibrom.solvers.full import newmark
+from vibrom.solvers.full.newmark import Motion as SolverMotion
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
 
@@ -74,8 +74,14 @@ class FullOrder:
         """Of the damped first mode [s]."""
         return 2.0 * np.pi / self.frequency
 
-    def coordinates(self, state: np.ndarray) -> None:
-        """It has no reduced coordinates."""
+    def coordinates(self, state: np.ndarray) -> np.ndarray:
+        """The state (m, 2n) itself."""
+        return state
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """The displacements of a state."""
+        displacement = coordinates[..., : self.size]
+        return displacement if dofs is None else displacement[..., dofs]
 
     def eigenvalues(self) -> np.ndarray:
         """Omega (-zeta +- sqrt(zeta^2 - 1)) of its modes [1/s]."""
@@ -94,12 +100,8 @@ class FullOrder:
         displacement = tuple(
             run.displacement[:, np.searchsorted(run.kept, place)]
             if watch.dofs is None
-            else run.probes[
-                np.ix_(
-                    range(runs),
-                    [int(np.flatnonzero(record.probes == dof)[0]) for dof in watch.dofs],
-                    place - record.probe_start,
-                )
+            else run.probes[:, np.searchsorted(record.probes, watch.dofs)][
+                :, :, place - record.probe_start
             ].transpose(0, 2, 1)
             for watch, place in zip(watches, places)
         )
@@ -109,7 +111,7 @@ class FullOrder:
 
     def run(
         self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None
-    ) -> newmark.Motion:
+    ) -> SolverMotion:
         """`steps` steps of `step` (b,) [s] from `start` (b, 2n), with all that the integrator
         keeps.
         """

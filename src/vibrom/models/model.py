@@ -60,8 +60,12 @@ class Model(Protocol):
         """From `start` (b, 2n) [m, m/s] at t = 0, driven or left alone."""
         ...
 
-    def coordinates(self, state: np.ndarray) -> np.ndarray | None:
-        """Reduced coordinates (m, r) of `state` (m, 2n) [m, m/s]; None of the full order."""
+    def coordinates(self, state: np.ndarray) -> np.ndarray:
+        """The model's own coordinates (m, r) of `state` (m, 2n) [m, m/s]."""
+        ...
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of coordinates (*batch, r)."""
         ...
 
     def eigenvalues(self) -> np.ndarray:

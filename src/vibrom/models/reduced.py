@@ -53,7 +53,7 @@ class Reduced:
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
         """See `Model.motion`."""
         runs, encoded = len(start), self.rom.encode(start)
-        forcing = drive and LoadedDrive(self.load, drive.amplitude, drive.frequency)
+        forcing = LoadedDrive(self.load, drive.amplitude, drive.frequency) if drive else None
         every = [
             np.broadcast_to(watch.instants, (runs, np.shape(watch.instants)[-1]))
             for watch in watches
@@ -73,7 +73,7 @@ class Reduced:
         outcome = np.array(run.outcome, dtype=object)
         return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, seconds)
 
-    def decoded(self, reduced: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
-        """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of reduced states (*batch, r)."""
-        flat = decode_displacement(self.rom, reduced.reshape(-1, reduced.shape[-1]), dofs)
-        return flat.reshape(*reduced.shape[:-1], -1)
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of coordinates (*batch, r)."""
+        flat = decode_displacement(self.rom, coordinates.reshape(-1, coordinates.shape[-1]), dofs)
+        return flat.reshape(*coordinates.shape[:-1], -1)

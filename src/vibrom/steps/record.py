@@ -20,7 +20,7 @@ from vibrom.artefacts.data import (
 from vibrom.config.scene import Record, Time
 from vibrom.models.full_order import FullOrder
 from vibrom.models.recorded import differences
-from vibrom.solvers.full import newmark
+from vibrom.solvers.full.newmark import Record as Kept
 
 
 def run(
@@ -38,7 +38,7 @@ def run(
     shape = open_dataset(release, "release")["displacement"].sel(role=role).values
     step, steps = model.period / model.steps_per_period, record.periods * model.steps_per_period
     start = np.concatenate([shape, np.zeros_like(shape)])[None]
-    keep = newmark.Record(probes=model.probes)
+    keep = Kept(probes=model.probes)
     motion = model.run(start, np.array([step]), steps, keep, None)
     time, probes = motion.kept * step, motion.probes[0]
     q, v, a = motion.displacement[0], motion.velocity[0], motion.acceleration[0]
