@@ -35,7 +35,8 @@ from vibrom.methods.ssmlearn import SsmLearn
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import LIMIT, Drive, Integrator, rollout
-from vibrom.models.rom import Training, rom_from_dataset
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.training import Training
 from vibrom.report.figures.style import look
 
 SCENE = Path("results/folding")

@@ -9,6 +9,7 @@ is evaluated from the text, with the names that the file itself defines or impor
 import ast
 import typing
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from functools import cache
 from typing import Annotated, Any
 
@@ -18,12 +19,13 @@ from msgspec import Meta
 from vibrom.config import kinds, source
 from vibrom.config.scene import STAGES, USUAL_STAGE, Block
 
-# The method that tells the class of a plug from what stands beside it in the file.
-ANSWERS = {
+# Folder -> the method that tells the class of a plug from what stands beside it; None: its name.
+PLUGS = {
     "bodies": "build",
     "effects": "assemble",
     "methods": "fit",
     "experiments": "ask",
+    "studies": None,
 }
 BUILT_IN = {word.__name__: word for word in (float, int, str, bool, list, dict, tuple)}
 FOREIGN = {"typing": typing, "msgspec": msgspec, "vibrom.config.kinds": kinds}
@@ -35,15 +37,14 @@ class PlugError(ValueError):
 
 @cache
 def names(folder: str) -> list[str]:
-    """The plugs in a folder of vibrom."""
-    files = (source.PACKAGE / folder).glob("*.py")
-    return sorted(file.stem for file in files if class_of(f"vibrom.{folder}.{file.stem}"))
+    """The plugs in a folder of vibrom: effects, report/tables, ..."""
+    found = [file.stem for file in (source.PACKAGE / folder).glob("*.py") if file.stem[0] != "_"]
+    return sorted(name for name in found if folder not in PLUGS or class_of(folder, name))
 
 
 def settings_of(folder: str, name: str) -> type[Block]:
     """The settings of a plug, as a class that msgspec knows."""
-    module = f"vibrom.{folder}.{name}"
-    return declared(module, class_of(module))
+    return declared(module_of(folder, name), class_of(folder, name))
 
 
 @cache
@@ -66,13 +67,37 @@ def must_be_given(settings: type[Block]) -> list[str]:
 
 
 def constants(folder: str, name: str) -> dict[str, Any]:
-    """The plug's module-level constants that are literals."""
+    """The plug's constants that are literals: of its module, of its last class and of the classes
+    above that.
+    """
+    module = module_of(folder, name)
+    found, classes = _literals(names_of(module).values), list(names_of(module).classes)
+    return found | _class_constants(module, classes[-1]) if classes else found
+
+
+def _class_constants(module: str, name: str) -> dict[str, Any]:
+    node, found = names_of(module).classes[name], {}
+    for parent in _parents(module, node):
+        found |= _class_constants(*parent)
+    return found | _literals(assigned(node.body))
+
+
+def _literals(values: dict[str, ast.expr]) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for constant, value in names_of(f"vibrom.{folder}.{name}").values.items():
-        try:
-            found[constant] = ast.literal_eval(value)
-        except ValueError:
-            continue
+    for name, value in values.items():
+        with suppress(ValueError):
+            found[name] = ast.literal_eval(value)
+    return found
+
+
+def assigned(body: list[ast.stmt]) -> dict[str, ast.expr]:
+    """What is assigned to each name among these statements."""
+    found: dict[str, ast.expr] = {}
+    for node in body:
+        if isinstance(node, ast.Assign):
+            found |= {ast.unparse(target): node.value for target in node.targets}
+        elif isinstance(node, ast.AnnAssign) and node.value:
+            found[ast.unparse(node.target)] = node.value
     return found
 
 
@@ -85,16 +110,21 @@ def in_order(effects: Iterable[str]) -> list[str]:
     return sorted(effects, key=place)
 
 
+def module_of(folder: str, name: str) -> str:
+    """The full name of a plug's module."""
+    return f"vibrom.{folder.replace('/', '.')}.{name}"
+
+
 @cache
-def class_of(module: str) -> str | None:
+def class_of(folder: str, name: str) -> str | None:
     """The last class of a plug's file that has the method of its folder; of a study the class of
     the same name.
     """
-    _, folder, plug = module.split(".")
-    classes = names_of(module).classes
-    if folder not in ANSWERS:
-        return next((name for name in classes if name.lower() == plug.replace("_", "")), None)
-    found = [name for name in classes if _answers(module, name, ANSWERS[folder])]
+    module = module_of(folder, name)
+    classes, method = names_of(module).classes, PLUGS[folder]
+    if method is None:
+        return next((item for item in classes if item.lower() == name.replace("_", "")), None)
+    found = [item for item in classes if _answers(module, item, method)]
     return found[-1] if found else None
 
 
@@ -159,7 +189,7 @@ class Names(dict):
     def __init__(self, module: str):
         self.module = module
         self.classes: dict[str, ast.ClassDef] = {}
-        self.values: dict[str, ast.expr] = {}
+        self.values = assigned(source.tree(module).body)
         self.imported: dict[str, tuple[str, str]] = {}  # name -> module, and its name there
         for node in source.tree(module).body:
             if isinstance(node, ast.ClassDef):
@@ -167,9 +197,6 @@ class Names(dict):
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 for alias in node.names:
                     self.imported[alias.asname or alias.name] = node.module, alias.name
-            elif isinstance(node, (ast.Assign, ast.AnnAssign)) and node.value:
-                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                self.values |= {ast.unparse(target): node.value for target in targets}
 
     def home(self, name: str) -> tuple[str, str] | None:
         """Module and name of what a name stands for, where that is in vibrom."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import msgspec
-from msgspec import UNSET, Meta, field
+from msgspec import Meta
 
 from vibrom.config.kinds import Count, Fraction, Name, Positive, Steps
 
@@ -62,20 +62,13 @@ class Time(Block):
 
 
 class Scene(Block):
-    """One file of config/scenes. What a rule passes on may be a `part` of it."""
+    """One file of config/scenes."""
 
     name: Name  # the file's
+    description: str
     body: dict[str, Any]  # `shape`, a file of src/vibrom/bodies, and its settings
-    effects: dict[str, dict[str, Any]]  # by name, files of src/vibrom/effects
-    description: str = field(default=UNSET)
-    releases: Annotated[dict[Role, Release], Meta(min_length=2)] = field(
-        default=UNSET
-    )  # where the decays start
-    record: Record = field(default=UNSET)  # what is recorded of a decay
-    time: Time = field(default=UNSET)  # the time integration of the full-order model
-    experiments: dict[str, dict[str, Any]] = field(default=UNSET)  # settings, by experiment
-
-    def part(self, *blocks: str) -> dict[str, Any]:
-        """Name, body, effects and these blocks, plain: what a rule depends on and no more."""
-        whole = self.to_builtins()
-        return {key: whole[key] for key in ("name", "body", "effects", *blocks)}
+    effects: dict[str, dict[str, Any]]  # settings, by effect
+    releases: Annotated[dict[Role, Release], Meta(min_length=2)]  # where the decays start
+    record: Record  # what is recorded of a decay
+    time: Time  # the time integration of the full-order model
+    experiments: dict[str, dict[str, Any]] = {}  # settings, by experiment

@@ -17,7 +17,8 @@ from vibrom.models.full_order import build
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import Integrator
-from vibrom.models.rom import Guards, MethodError, Training, rom_from_dataset
+from vibrom.models.rom import Guards, rom_from_dataset
+from vibrom.models.training import MethodError, Training
 from vibrom.studies import grid
 
 PERIODS = (
