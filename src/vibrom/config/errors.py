@@ -6,7 +6,11 @@ from pathlib import Path
 from typing import Any
 
 
-class SettingsError(ValueError):
+class ConfigError(ValueError):
+    """The configuration, or a plug that declares a part of it, cannot be used; one line."""
+
+
+class SettingsError(ConfigError):
     """A wrong entry: in which file, at which key, what it holds, and what to do about it."""
 
     def __init__(self, file: str | Path, key: str | tuple, value: Any, cure: str):

@@ -16,6 +16,7 @@ Several = Annotated[list[Item], Meta(min_length=1, extra_json_schema={"uniqueIte
 Positive = Annotated[float, Meta(gt=0)]
 NonNegative = Annotated[float, Meta(ge=0)]
 Fraction = Annotated[float, Meta(ge=0, le=1)]
+Ratio = Annotated[float, Meta(ge=0, lt=1)]
 Tolerance = Annotated[float, Meta(gt=0, le=0.1)]  # relative
 PoissonRatio = Annotated[float, Meta(gt=-1, lt=0.5)]
 

@@ -17,6 +17,7 @@ import msgspec
 from msgspec import Meta
 
 from vibrom.config import kinds, source
+from vibrom.config.errors import ConfigError
 from vibrom.config.scene import STAGES, USUAL_STAGE, Block
 
 # Folder -> the method that tells the class of a plug from what stands beside it; None: its name.
@@ -31,7 +32,7 @@ BUILT_IN = {word.__name__: word for word in (float, int, str, bool, list, dict, 
 FOREIGN = {"typing": typing, "msgspec": msgspec, "vibrom.config.kinds": kinds}
 
 
-class PlugError(ValueError):
+class PlugError(ConfigError):
     """A plug whose settings cannot be read from its text; the message names the cure."""
 
 

@@ -9,10 +9,8 @@ from vibrom.config.check import checked
 from vibrom.config.errors import SettingsError
 from vibrom.config.layers import Layers, Sources
 from vibrom.config.method_file import MethodFile
-from vibrom.config.scene import Block, Scene
+from vibrom.config.scene import SHAPE, Block, Scene
 from vibrom.config.sweeps import check_sweeps
-
-SHAPE = "rectangle"  # of a body that does not say
 
 
 def block(layers: Layers, path: tuple, kind: type[Block], without: str = "") -> dict[str, Any]:

@@ -17,6 +17,7 @@ Role = Literal["train", "test"]
 # Effects add up in this order, whatever the order of their keys, those of one stage by their names:
 # each says by `STAGE` what it adds, and may read the sum of what comes before.
 STAGES = ("mass", "stiffness", "forces", "dead_load", "damping", "load")
+SHAPE = "rectangle"  # of a body that does not say
 USUAL_STAGE = "forces"  # of an effect that does not say
 
 
@@ -29,8 +30,9 @@ class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return msgspec.convert(plain, cls)
 
     def to_builtins(self) -> dict[str, Any]:
-        """Plain mappings, lists, numbers and text, all defaults written out."""
-        return msgspec.to_builtins(self)
+        """Plain mappings, lists, numbers and text; defaults are written out, None left out."""
+        plain = msgspec.to_builtins(self)
+        return {key: value for key, value in plain.items() if value is not None}
 
 
 class Release(Block):
