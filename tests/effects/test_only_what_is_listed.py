@@ -49,13 +49,15 @@ def test_the_class_that_assembles_is_the_effect(monkeypatch):
     module = ModuleType("vibrom.effects.extra")
     monkeypatch.setitem(sys.modules, module.__name__, module)
     exec(
-        "class Helper: pass\nclass Extra:\n    def assemble(self, space, base): pass", vars(module)
+        "from dataclasses import dataclass\nclass Helper: pass\n"
+        "@dataclass\nclass Extra:\n    def assemble(self, space, base): pass",
+        vars(module),
     )
     assert type(effects.load("extra", {})) is module.Extra
     exec("class Another(Extra): pass", vars(module))
     with pytest.raises(
         SceneError,
-        match="effects/extra.py defines 2 classes with an `assemble`; define exactly one",
+        match="effects/extra.py defines 2 classes with a `assemble`; define exactly one",
     ):
         effects.load("extra", {})
 
@@ -112,12 +114,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibrom.config.kinds import Point
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
 
 @dataclass(frozen=True)
 class QuinticSpring:
-    at: list[float]  # m
+    at: Point  # m
     strength: float  # N/m^5
 
     def assemble(self, space, base):
@@ -137,24 +140,21 @@ def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
         values[slots[0, 0], w] += scale_q[w] * 5.0 * table[0, 0] * q[dofs[0, 0], w] ** 4
 '''
 RUN = """
-import sys, yaml
+import sys
 from pathlib import Path
 from vibrom import effects
 from vibrom.config import settings
 from vibrom.bodies import space
 from vibrom.solvers.full import static
-root = Path(sys.argv[1])
-config = yaml.safe_load((root / "config/config.yaml").read_text()) | {"scenes": ["held"]}
-scene = settings.load(config, folder=root / "config", schemas=root / "workflow/schemas").scenes["held"]
-made = space.build(scene["body"])
-print(static.equilibrium(effects.assemble(made, scene["effects"]), 1000.0)[made.probes["tip"]])
+scene = settings.load(Path(sys.argv[1]) / "config", command={"scenes": ["held"]}).scenes["held"]
+made = space.build(scene.body)
+print(static.equilibrium(effects.assemble(made, scene.effects), 1000.0)[made.probes["tip"]])
 """
 
 
 def test_a_new_effect_is_one_file_and_one_line(tmp_path):
     shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(ROOT / "config", tmp_path / "config")
-    shutil.copytree(ROOT / "workflow/schemas", tmp_path / "workflow/schemas")
     (tmp_path / "src/vibrom/effects/quintic_spring.py").write_text(QUINTIC)
     body, strength = quadratic_body(cells=[4, 1], probes=TIP), 1e8
     scene = {

@@ -36,6 +36,9 @@ def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Sc
     layers.check_known(("body", "shape"), shape, plugs.names("bodies"), "body")
     body = block(layers, ("body",), plugs.settings_of("bodies", shape), without="shape")
     plain["body"] = {"shape": shape, **body}
+    for key in ("clamped", "probes"):
+        if key in body and not body[key]:
+            layers.refuse(("body", key), body[key], "is empty; name at least one")
     plain["effects"] = _effects(layers)
     plain["experiments"] = _experiments(layers, list(asked))
     _check_scene(plain, layers)
@@ -57,7 +60,7 @@ def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
 
 def _experiments(layers: Layers, asked: list[str]) -> dict[str, dict[str, Any]]:
     """Settings of every experiment that the scene sets, that is asked, or that needs none."""
-    given, known = layers.content["experiments"], plugs.names("experiments")
+    given, known = layers.content.get("experiments", {}), plugs.names("experiments")
     for name in given:
         layers.check_known(("experiments", name), name, known, "experiment")
     made = {}

@@ -6,9 +6,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
+from msgspec import Meta
 
+from vibrom.config.kinds import Tolerance
 from vibrom.models.rom import Rom
 from vibrom.models.training import MethodError
 
@@ -28,10 +31,10 @@ class Integrator:
     the fastest reduced coordinate, and iterates to them.
     """
 
-    rtol: float = 1e-8
-    atol: float = 1e-10
-    method: str = "dop853"
-    steps: int = 40
+    rtol: Tolerance = 1e-8
+    atol: Tolerance = 1e-10  # a fraction of the training range of each reduced coordinate
+    method: Literal["dop853", "gauss"] = "dop853"
+    steps: Annotated[int, Meta(ge=2)] = 40  # to a period of the fastest reduced coordinate
 
     def __post_init__(self) -> None:
         if self.method not in ("dop853", "gauss"):
