@@ -8,10 +8,13 @@ import sys
 import pytest
 
 from vibrom.artefacts import provenance
-from vibrom.config import plugs
+from vibrom.config import plugs, source
 
 CACHED = [
-    plugs.tree,
+    source.tree,
+    plugs.names,
+    plugs.names_of,
+    plugs.class_of,
     provenance._store,
     provenance._read,
     provenance.imports,
@@ -25,8 +28,8 @@ CACHED = [
 def package(tmp_path, monkeypatch):
     """A copy of the package to edit."""
     copy = tmp_path / "vibrom"
-    shutil.copytree(plugs.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(plugs, "PACKAGE", copy)
+    shutil.copytree(source.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(source, "PACKAGE", copy)
     yield copy
     monkeypatch.undo()
     forget()
@@ -45,7 +48,7 @@ def digests() -> dict[str, str]:
         for name in plugs.names("methods")
     }
     found |= {
-        f"ask {name}": provenance.digest("vibrom.steps.experiment", f"vibrom.experiments.{name}")
+        f"ask {name}": provenance.digest("vibrom.steps.ask", f"vibrom.experiments.{name}")
         for name in plugs.names("experiments")
     }
     return found | {

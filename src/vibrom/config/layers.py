@@ -36,6 +36,8 @@ class Layers:
             here = (*path, key)
             if value is None and key not in below and not lenient:
                 cure = "is empty; give a value, or {} for a block without settings"
+                if ":" in key:
+                    cure = "is empty; put a blank behind the colon"
                 raise SettingsError(origin[0], (*origin[1], *here), None, cure)
             if isinstance(value, dict) and isinstance(below.get(key), dict):
                 self._merge(below[key], value, here, origin, lenient)
