@@ -155,7 +155,10 @@ def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monk
     """Three processes: one that parses, one that finds what the first read, one after an edit that
     keeps the file's length.
     """
-    code = "from vibrom.artefacts import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    code = (
+        "from vibrom.artefacts import provenance; "
+        "print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    )
     monkeypatch.setenv("PYTHONPATH", str(package.parent))
 
     def process() -> list[str]:

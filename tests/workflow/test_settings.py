@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 import yaml
-from bad_entries import BAD, CONFIG, SCENE
+from bad_entries import BAD, SCENE
 from project_copy import change
 
 from vibrom.config import files, settings

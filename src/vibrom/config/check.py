@@ -70,7 +70,7 @@ def _checked(entry: Entry, kind: inspect.Type) -> Any:
             return entry.value if isinstance(entry.value, bool) else entry.must_be("true or false")
         case inspect.LiteralType():
             if not isinstance(entry.value, str) or entry.value not in kind.values:
-                entry.wrong(f"is not known; {closest(entry.value, kind.values)}")
+                entry.wrong(f"is not known; {closest(entry.value, map(str, kind.values))}")
             return entry.value
         case inspect.UnionType():
             return _one_of(entry, kind)
@@ -134,7 +134,7 @@ def _mapping(entry: Entry, kind: inspect.DictType) -> dict[str, Any]:
         name = _checked(Entry(key, (*entry.path, key), entry.refuse), kind.key_type)
         made[name] = _checked(entry.below(key), kind.value_type)
     if isinstance(kind.key_type, inspect.LiteralType) and kind.min_length:
-        for name in sorted(set(kind.key_type.values) - set(made)):
+        for name in sorted(set(map(str, kind.key_type.values)) - set(made)):
             entry.refuse((*entry.path, name), None, "is missing; add it")
     _length(entry, kind, "entry", "entries")
     # The order of names means something: the first probe, the first guard.

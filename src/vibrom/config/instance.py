@@ -31,7 +31,7 @@ def instance(
     kind: type[Kind], settings: Mapping[str, Any], where: str, error: type[Exception]
 ) -> Kind:
     """The object; raises `error` with one line that names the entry of the scene."""
-    known = [field.name for field in dataclasses.fields(kind)]
+    known = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]
     if unknown := [key for key in settings if key not in known]:
         raise error(f"{where}.{unknown[0]} is no setting; {closest(unknown[0], known)}")
     try:

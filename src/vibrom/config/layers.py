@@ -60,7 +60,7 @@ class Layers:
     def check_known(self, path: tuple, name: str, known: Iterable[str], what: str) -> None:
         """Refuse the name that stands at `path`, or is its last key, unless it is known."""
         if name not in (known := list(known)):
-            value = name
+            value: Any = name
             if path[-1] == name:
                 value = self.content
                 for key in path:

@@ -30,7 +30,7 @@ TAKEN = {
 INTEGRATOR = ("vibrom.models.rollout", "Integrator")  # the class that declares its settings
 
 
-class Config(Block):
+class Config(Block, frozen=True):
     """config/config.yaml with what is laid over it."""
 
     results: Folder  # the folder of all artefacts
@@ -70,7 +70,9 @@ class Settings:
     def start_of(self, method: str, folder: str) -> tuple[str, str] | None:
         """Method and seed folder of the model that this one starts from."""
         start = self.methods[method].starts_from
-        return start and (start, folder if self.methods[start].seeded else UNSEEDED)
+        if start is None:
+            return None
+        return start, folder if self.methods[start].seeded else UNSEEDED
 
     def modules_of(self, scene: str) -> list[str]:
         """The modules of a scene's body and effects, below vibrom."""
