@@ -53,7 +53,7 @@ def _softplus(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
 
 # name -> function of a that gives s, s', s'', s'''; every s(0) = 0.
 ACTIVATIONS = {"elu": _elu, "silu": _silu, "tanh": _tanh, "softplus": _softplus}
-SLOPE_AT_REST = {"elu": 1.0, "silu": 0.5, "tanh": 1.0, "softplus": 0.5}
+SLOPE_AT_REST = {name: float(s(torch.zeros(()))[1]) for name, s in ACTIVATIONS.items()}
 
 
 def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
