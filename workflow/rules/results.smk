@@ -28,7 +28,7 @@ FULL_ORDER_FILES = [
 ]
 ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS
 EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
-HARD = SETTINGS.stability["scenes"]
+HARD = SETTINGS.studies.get("robustness", {"scenes": []})["scenes"]
 HARD_FILES = [
     f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD
 ] + [

@@ -14,6 +14,11 @@ from msgspec import Meta
 from vibrom.config.kinds import Count, Fraction, Name, Positive, Steps
 
 Role = Literal["train", "test"]
+# Effects add up in this order, whatever the order of their keys, those of one stage by their names:
+# each says by `STAGE` what it adds, and may read the sum of what comes before.
+STAGES = ("mass", "stiffness", "forces", "dead_load", "damping", "load")
+SHAPE = "rectangle"  # of a body that does not say
+USUAL_STAGE = "forces"  # of an effect that does not say
 
 
 class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -25,8 +30,9 @@ class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return msgspec.convert(plain, cls)
 
     def to_builtins(self) -> dict[str, Any]:
-        """Plain mappings, lists, numbers and text, all defaults written out."""
-        return msgspec.to_builtins(self)
+        """Plain mappings, lists, numbers and text; defaults are written out, None left out."""
+        plain = msgspec.to_builtins(self)
+        return {key: value for key, value in plain.items() if value is not None}
 
 
 class Release(Block):
@@ -63,8 +69,8 @@ class Scene(Block):
     name: Name  # the file's
     description: str
     body: dict[str, Any]  # `shape`, a file of src/vibrom/bodies, and its settings
-    effects: dict[str, dict[str, Any]]  # by name, files of src/vibrom/effects
+    effects: dict[str, dict[str, Any]]  # settings, by effect
     releases: Annotated[dict[Role, Release], Meta(min_length=2)]  # where the decays start
     record: Record  # what is recorded of a decay
     time: Time  # the time integration of the full-order model
-    experiments: dict[str, dict[str, Any]]  # by name, files of src/vibrom/experiments
+    experiments: dict[str, dict[str, Any]] = {}  # settings, by experiment

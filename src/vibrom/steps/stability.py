@@ -69,7 +69,7 @@ def run(
     unfit = str(fitted["outcome"].item())
     model = build(scene, structure) if unfit == "ok" else None
     forcing, load, first = (
-        float(scene["frc"]["forcing"]),
+        float(scene["experiments"]["frc"]["forcing"]),
         known["load"].values,
         next(iter(integrators)),
     )
