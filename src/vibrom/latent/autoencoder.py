@@ -151,6 +151,7 @@ class Autoencoder:
         ]
 
     def encode(self, q: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        """The motion of z = w(q), and what `encode_backward` needs."""
         z, tape = forward(q, self._encoder(weights), self.activation)
         return (z if self.encoder_linear is None else z.add_(q @ self.encoder_linear.T)), tape
 
@@ -165,6 +166,7 @@ class Autoencoder:
         return self.decoder_linear - tangent(self._decoder(weights), self.activation)
 
     def decode(self, z: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        """The motion of q = v(z), and what `decode_backward` needs."""
         q, tape = forward(z, self._decoder(weights), self.activation)
         linear = self.linear_decoder(weights)
         return (q if linear is None else q.add_(z @ linear.T)), tape

@@ -1,6 +1,6 @@
 """What the methods with an autoencoder share: settings, and three steps.
 
-    training data  ->  Problem: coordinates, samples, networks  ->  weights  ->  AutoencoderRom
+training data  ->  Problem: coordinates, samples, networks  ->  weights  ->  AutoencoderRom
 """
 
 from __future__ import annotations

@@ -37,9 +37,7 @@ HEAD = len(Places._fields)
 
 @njit(error_model="numpy")
 def _places(index):
-    return Places(
-        index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7]
-    )
+    return Places(index[0], index[1], index[2], index[3], index[4], index[5], index[6], index[7])
 
 
 @njit(error_model="numpy")
@@ -70,7 +68,7 @@ def _decode(z, tables, work, places, target):
 
 @njit(error_model="numpy")
 def _solve(work, gram, right, d):
-    """x of G x = b, from row `right` on in the place of b: Cholesky's factor row by row, and the
+    """X of G x = b, from row `right` on in the place of b: Cholesky's factor row by row, and the
     forward substitution with it; the diagonal keeps 1/L_aa.
     """
     for a in range(d):
@@ -140,9 +138,7 @@ def _on_encoder(z, numbers, index, work, out):
         put(out, d + a, get(work, apart + a, WIDTH))
 
 
-def force_kernel(
-    decoder: Network, encoder: Network | None, push: Push, edge: np.ndarray
-) -> Kernel:
+def force_kernel(decoder: Network, encoder: Network | None, push: Push, edge: np.ndarray) -> Kernel:
     """The force map of a load in network units: on the decoder's tangents, or on the encoder where
     one is given; `edge` (d,) is where the extrapolation of the decoder begins.
     """
@@ -151,9 +147,7 @@ def force_kernel(
     to = Packed(np.zeros(0), [], 0) if encoder is None else packed(encoder)
     load, edge_at = len(back.numbers), len(back.numbers) + k
     apart = max(back.width, to.width)
-    head = Places(
-        d, k, apart, code(decoder), load, edge_at, edge_at + d, HEAD + len(back.sizes)
-    )
+    head = Places(d, k, apart, code(decoder), load, edge_at, edge_at + d, HEAD + len(back.sizes))
     return Kernel(
         _on_tangents if encoder is None else _on_encoder,
         np.concatenate([back.numbers, push.load, edge, to.numbers]).astype(float),

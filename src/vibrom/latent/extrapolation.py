@@ -37,6 +37,6 @@ def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
 def continued(
     z: np.ndarray, scale: np.ndarray, reach: np.ndarray, powers: np.ndarray
 ) -> np.ndarray:
-    """(*batch, l): the monomials Phi(z / s), extrapolated linearly along the radius beyond `reach`."""
+    """(*batch, l): the monomials Phi(z / s), extrapolated linearly along the radius."""
     c = drawn_back(z, reach)
     return monomials(c / scale, powers) + slopes(c / scale, powers, (z - c) / scale)

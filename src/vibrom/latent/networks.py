@@ -76,7 +76,5 @@ def layers(sizes: np.ndarray, weights: np.ndarray) -> tuple[list[np.ndarray], li
     shapes = list(zip(units[1:], units[:-1]))
     shapes += [(columns, rows) for rows, columns in reversed(shapes)]
     ends = np.cumsum([rows * columns for rows, columns in shapes])
-    parts = [
-        part.reshape(shape) for part, shape in zip(np.split(weights, ends[:-1]), shapes)
-    ]
+    parts = [part.reshape(shape) for part, shape in zip(np.split(weights, ends[:-1]), shapes)]
     return parts[: len(units) - 1], parts[len(units) - 1 :]

@@ -50,7 +50,7 @@ class Optimiser(ABC):
     def step(self, gradient: torch.Tensor, rate: torch.Tensor) -> None:
         """One step; `rate` is a tensor without dimensions."""
 
-    def turn(self) -> None:
+    def turn(self) -> None:  # noqa: B027  nothing, unless overridden
         """What is done every few steps only."""
 
     def _averaged(self, gradient: torch.Tensor) -> torch.Tensor:

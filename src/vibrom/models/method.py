@@ -34,14 +34,14 @@ class Method(ABC):
                 raise MethodError(f"{name} is {value!r}: {error}") from error
         self.check()
 
-    def check(self) -> None:
+    def check(self) -> None:  # noqa: B027  nothing, unless overridden
         """Raises a MethodError where settings contradict one another."""
 
     @abstractmethod
     def fit(self, training: Training) -> Rom:
         """The model that these settings make of the training data."""
 
-    def prepare(self, device: str) -> None:
+    def prepare(self, device: str) -> None:  # noqa: B027  nothing, unless overridden
         """Loads what a fit on this device needs, so that its time is not that of the first fit."""
 
     def learn(self, training: Training) -> Rom:
