@@ -39,12 +39,15 @@ from benchmarks.table import NAN, Row, paired
 from vibrom.artefacts.data import open_dataset
 from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.training import Learner, Schedule, epochs, warm_up
+from vibrom.methods import method_from_settings
 from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rollout import Integrator, decode_displacement, rollout
-from vibrom.models.rom import Rom, Training, method_from_settings
-from vibrom.report.figures.style import look
-from vibrom.thesis.published import LABELS, percent, run_time
+from vibrom.models.rom import Rom
+from vibrom.models.training import Training, Trajectory
+from vibrom.report.drawing.style import look
+from vibrom.thesis.labels import LABELS
+from vibrom.thesis.published import percent, run_time
 
 SCENES = ("small", "large", "folding")
 METHODS = ("decoupled_autoencoder", "sindy_autoencoder", "split")
@@ -78,18 +81,21 @@ class Curve:
 CURVES: dict[str, dict[str, Curve]] = {}  # figure -> label -> curve, of the last `measure`
 
 
+def motion(scene: str, role: str) -> Trajectory:
+    path = Path("results") / scene / "full_order" / f"{role}.nc"
+    return trajectory(open_dataset(path, "trajectory"))
+
+
 @cache
 def data(scene: str) -> Training:
-    folder = Path("results") / scene / "full_order"
-    motions = [
-        trajectory(open_dataset(folder / f"{role}.nc", "trajectory")) for role in ("train", "test")
-    ]
-    return Training(
-        (motions[0],),
-        (motions[1],),
-        structure(open_dataset(folder / "structure.nc", "structure")),
-        seed=0,
-    )
+    path = Path("results") / scene / "full_order" / "structure.nc"
+    known = structure(open_dataset(path, "structure"))
+    return Training((motion(scene, "train"),), known, seed=0)
+
+
+@cache
+def test_motion(scene: str) -> Trajectory:
+    return motion(scene, "test")
 
 
 def settings(method: str) -> dict:
@@ -97,22 +103,14 @@ def settings(method: str) -> dict:
 
 
 def reconstruction(rom: Rom, scene: str) -> float:
-    test = data(scene).test[0]
-    return nmte_percent(
-        np.linalg.norm(
-            test.displacement - decode_displacement(rom, rom.encode(test.state)), axis=1
-        ),
-        test.displacement,
-    )
+    test = test_motion(scene)
+    return nmte_percent(test.displacement, decode_displacement(rom, rom.encode(test.state)))
 
 
 def decay(rom: Rom, scene: str) -> float:
-    test = data(scene).test[0]
+    test = test_motion(scene)
     run = rollout(rom, rom.encode(test.state[:1]), (test.time - test.time[0])[None], Integrator())
-    return nmte_percent(
-        np.linalg.norm(test.displacement - decode_displacement(rom, run.reduced[0]), axis=1),
-        test.displacement,
-    )
+    return nmte_percent(test.displacement, decode_displacement(rom, run.reduced[0]))
 
 
 Steps = Callable[

@@ -1,12 +1,14 @@
 """The contract of the artefacts: what is refused, and that nothing finished is lost."""
 
 import errno
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, scored, variable
+from vibrom.artefacts.data import label, open_dataset, save_dataset, scored, variable
+from vibrom.artefacts.files import DataError, write
 
 
 def release(value=1.0):
@@ -74,3 +76,19 @@ def test_scores_survive(tmp_path):
     assert again["score_value"].values.tolist() == [1.5, 2.0] and again[
         "score_unit"
     ].values.tolist() == ["percent", "1"]
+
+
+def test_writers_of_one_file_do_not_meet(tmp_path):
+    """Several at once: none fails, a reader sees one content whole, nothing is left behind."""
+    path, contents = tmp_path / "a.txt", [str(number) * 100_000 for number in range(8)]
+    path.write_text(contents[0])
+
+    def writer(content):
+        for _ in range(20):
+            write(path, content)
+            seen = path.read_text()
+            assert seen in contents
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(writer, contents))
+    assert [item.name for item in tmp_path.iterdir()] == ["a.txt"]

@@ -9,7 +9,8 @@ import pytest
 from oscillators import OMEGA, linear_rom
 
 from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
-from vibrom.models.rom import MethodError, Rom, rom_from_dataset
+from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.training import MethodError
 
 
 @dataclass(frozen=True)

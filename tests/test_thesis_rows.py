@@ -14,9 +14,10 @@ import yaml
 
 from vibrom.artefacts.data import open_dataset
 from vibrom.experiments import decay, eigenvalues, reconstruction
+from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rollout import Integrator
-from vibrom.models.rom import Training, method_from_settings
+from vibrom.models.training import Training
 from vibrom.steps import full_order_decay, release
 from vibrom.steps import structure as structure_step
 from vibrom.thesis import published as thesis

@@ -7,8 +7,7 @@ import pytest
 from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.experiments.backbone import frequency_error, peak_finding_and_fitting
-from vibrom.experiments.eigenvalues import jacobian
-from vibrom.models.measures import amplitude_and_phase, nmte_percent
+from vibrom.models.measures import crossings, curve_error, nmte_percent, periodic
 from vibrom.models.recorded import differences
 from vibrom.models.rollout import Drive, Integrator, rollout
 
@@ -16,23 +15,47 @@ from vibrom.models.rollout import Drive, Integrator, rollout
 def test_amplitude_and_phase_of_a_harmonic():
     x = 2 * np.pi * np.arange(1000) / 1000
     for lag in (-0.3, -1.5, -3.0, -4.5):
-        amplitude, phase = amplitude_and_phase(2.0 * np.sin(x + lag))
-        assert amplitude == pytest.approx(
-            2.0, rel=1e-5
-        )  # the maximum may lie half a sample off: (pi/1000)^2/2
-        assert phase == pytest.approx(lag, abs=1e-12)
+        shown = periodic(2.0 * np.sin(x + lag))
+        # The maximum may lie half a sample off: (pi/1000)^2/2.
+        assert shown.maximum == pytest.approx(2.0, rel=1e-5)
+        assert shown.phase == pytest.approx(lag, abs=1e-12)
 
 
-def test_amplitude_is_the_maximum_not_that_of_the_absolute_value():
+def test_amplitude_is_the_maximum_and_the_range_tells_the_swing():
+    """A point that swings far to one side: its maximum says little, its range all."""
     x = 2 * np.pi * np.arange(1000) / 1000
-    assert amplitude_and_phase(np.sin(x) - 0.5)[0] == pytest.approx(0.5, rel=1e-4)
+    shown = periodic(0.7 * np.sin(x) - 0.7)
+    assert shown.maximum == pytest.approx(0.0, abs=1e-5)
+    assert shown.minimum == pytest.approx(-1.4, rel=1e-5)
+    assert shown.half_range == pytest.approx(0.7, rel=1e-5)
 
 
 def test_nmte_by_hand():
     truth = np.array([[3.0, 4.0], [0.0, 0.0], [0.0, 1.0]])
-    error = np.array([1.0, 0.5, 0.0])
-    assert nmte_percent(error, truth) == pytest.approx(100 * 0.5 / 5.0)
-    assert np.isnan(nmte_percent(np.array([1.0, np.nan, 0.0]), truth))
+    model = truth + np.array([[0.6, 0.8], [0.5, 0.0], [0.0, 0.0]])
+    assert nmte_percent(truth, model) == pytest.approx(100 * 0.5 / 5.0)
+    model[1] = np.nan
+    assert np.isnan(nmte_percent(truth, model))
+
+
+def test_errors_of_a_curve_by_hand():
+    truth = np.array([1.0, 2.0, 4.0, np.nan])
+    whole = curve_error(np.array([1.1, 1.9, 4.8, 1.0]), truth)
+    assert (whole.median_percent, whole.completed) == (pytest.approx(10.0), 4)
+    assert np.isnan(whole.peak_percent)  # of a truth with a gap
+    truth = truth[:3]
+    peak = curve_error(np.array([1.0, 4.4, 4.0]), truth)
+    assert (peak.peak_percent, peak.peak_steps) == (pytest.approx(10.0), 1)
+    lost = curve_error(np.array([1.0, np.nan, np.nan]), truth)
+    assert (lost.median_percent, lost.completed) == (np.inf, 1)
+
+
+def test_crossings_of_a_line_are_exact():
+    time = np.array([0.0, 1.0, 3.0, 4.0])
+    instants, before = crossings(time, np.array([1.0, -1.0, 3.0, 1.0]))
+    np.testing.assert_allclose(instants, [0.5, 1.5])
+    assert before.tolist() == [0, 1]
+    assert len(crossings(time, np.array([1.0, np.nan, -1.0, 1.0]))[0]) == 0
 
 
 def test_backbone_of_a_linear_decay():
@@ -77,7 +100,7 @@ def test_too_short_a_decay_has_no_backbone():
         0,
         0,
     ]
-    assert np.isnan(frequency_error((np.zeros(0),) * 3, (np.ones(3),) * 3))
+    assert np.isnan(frequency_error((np.zeros(0),) * 2, (np.ones(3),) * 2))
 
 
 def test_differences_are_of_sixth_order():
@@ -94,12 +117,6 @@ def test_differences_are_of_sixth_order():
     np.testing.assert_allclose(np.log2(np.array(errors[0]) / errors[1]), 6.0, atol=0.15)
 
 
-def test_eigenvalues_of_a_linear_model():
-    values = np.linalg.eigvals(jacobian(linear_rom()))
-    exact = -DAMPING / 2 + 1j * np.sqrt(OMEGA**2 - DAMPING**2 / 4)
-    np.testing.assert_allclose(values[np.argmax(values.imag)], exact, rtol=1e-8)
-
-
 def test_forced_response_of_a_linear_model():
     """Steady state of  z'' + c z' + w^2 z = A sin(W t):  |z| = A / |w^2 - W^2 + i c W|, phase
     -atan2(c W, w^2 - W^2).
@@ -114,13 +131,12 @@ def test_forced_response_of_a_linear_model():
         Integrator(),
         Drive(np.array([1.0]), np.full(4, 0.5), frequency),
     )
-    amplitude, phase = amplitude_and_phase(run.reduced[:, :-1, 0])
+    shown = periodic(run.reduced[:, :-1, 0])
     response = 0.5 / (OMEGA**2 - frequency**2 + 1j * DAMPING * frequency)
-    np.testing.assert_allclose(
-        amplitude, np.abs(response), rtol=2e-4
-    )  # 200 samples a period: (pi/200)^2/2
+    # 200 samples a period: (pi/200)^2/2
+    np.testing.assert_allclose(shown.maximum, np.abs(response), rtol=2e-4)
     # Local errors of 1e-8 add up over the motion's memory of 1/(zeta omega), some thousand steps.
-    np.testing.assert_allclose(phase, np.angle(response), atol=1e-5)
+    np.testing.assert_allclose(shown.phase, np.angle(response), atol=1e-5)
     assert run.outcome == ["ok"] * 4
 
 

@@ -11,7 +11,7 @@ from vibrom.latent import training as loop
 from vibrom.latent.autoencoder import Autoencoder
 from vibrom.latent.graphs import captured
 from vibrom.latent.polynomial import exponents
-from vibrom.models.rom import Monitor
+from vibrom.models.training import Monitor
 
 DYNAMICS = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
 SAMPLES = np.random.default_rng(0).standard_normal((3, 40, 5))
@@ -33,7 +33,6 @@ def trained(device="cpu", **changes):
         DYNAMICS,
         loop.Schedule(**settings | changes),
         SAMPLES,
-        None,
         seed=3,
         device=torch.device(device),
         monitor=Monitor(),

@@ -18,15 +18,8 @@ from vibrom.latent.polynomial_kernel import polynomial_kernel
 from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.models.rollout import Integrator, rollout
-from vibrom.models.rom import (
-    Guards,
-    MethodError,
-    Rom,
-    Structure,
-    Training,
-    Trajectory,
-    rom_from_dataset,
-)
+from vibrom.models.rom import Guards, Rom, rom_from_dataset
+from vibrom.models.training import MethodError, Structure, Training, Trajectory
 
 RNG = np.random.default_rng(0)
 REACH, SCALE = np.array([2.0, 0.5, 30.0, 9.0]), np.array([1.5, 0.4, 20.0, 10.0])

@@ -16,7 +16,8 @@ from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom
 from vibrom.latent.decoder_kernel import ACTIVATIONS, _activate
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.latent.polynomial_kernel import polynomial_kernel
-from vibrom.models.rom import MethodError, rom_from_dataset
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.training import MethodError
 
 DOFS = 9
 

@@ -8,16 +8,11 @@ from scipy.sparse import csr_matrix, identity
 
 from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.methods import method_from_settings
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.methods.ssmlearn import SsmLearn
-from vibrom.models.rom import (
-    MethodError,
-    Structure,
-    Training,
-    Trajectory,
-    method_from_settings,
-    rom_from_dataset,
-)
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.training import MethodError, Structure, Training, Trajectory
 
 OMEGA, DAMPING, CUBIC = 3.0, 0.05, 2.0
 PHI = np.array([0.6, 0.8, 0.0])

@@ -7,7 +7,7 @@ from oscillators import OMEGA, linear_rom
 from vibrom.latent.polynomial import exponents
 from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
 from vibrom.models.rollout import Drive, Integrator, rollout
-from vibrom.models.rom import MethodError
+from vibrom.models.training import MethodError
 from vibrom.solvers.reduced import dop853_loop
 from vibrom.solvers.reduced.field import Field
 from vibrom.solvers.reduced.gauss import integrate

@@ -15,7 +15,8 @@ from vibrom.bodies import space
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.methods.ssmlearn import SsmLearn
 from vibrom.models.rollout import Integrator
-from vibrom.models.rom import Guards, Structure, Training, Trajectory
+from vibrom.models.rom import Guards
+from vibrom.models.training import Structure, Training, Trajectory
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.studies.grid import cases, let_go, rises, survive

@@ -1,6 +1,6 @@
 # What accuracy costs in time: settings of the full-order model and of the methods, one job a scene for each.
 # What is studied is said by `cost` in the configuration.
-COST = SETTINGS.cost
+COST = SETTINGS.studies.get("cost", {"scenes": [], "reduced": {}})
 COST_SCENES = [scene for scene in COST["scenes"] if scene in SCENES]
 COST_ARTEFACTS = [
     f"<results>/{scene}/{settings.FULL_ORDER}/cost_{what}.nc"
@@ -64,10 +64,10 @@ rule cost_full_order:
     priority: 55
     threads: 1
     params:
-        scene=scene_part("decay", "forced", "time"),
-        settings=COST["full_order"],
-        repeats=COST["repeats"],
-        patience=COST["patience"],
+        scene=scene_part("record", "experiments", "time"),
+        settings=COST.get("full_order"),
+        repeats=COST.get("repeats"),
+        patience=COST.get("patience"),
         provenance=full_order_code("cost_full_order"),
     message:
         "{wildcards.scene}: what the accuracy of the full-order model costs"
@@ -97,8 +97,8 @@ rule cost_reduced:
         seed=SETTINGS.seeds[0],
         device=SETTINGS.device,
         integrator=SETTINGS.integrator,
-        repeats=COST["repeats"],
-        patience=COST["patience"],
+        repeats=COST.get("repeats"),
+        patience=COST.get("patience"),
         provenance=code(
             "cost_reduced",
             *(f"experiments.{name}" for name in ("decay", "forced", "frc")),

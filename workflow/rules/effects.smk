@@ -14,8 +14,8 @@ rule full_order_effects:
     priority: 40
     threads: 1
     params:
-        scene=scene_part("forced", "time"),
-        lengths=SETTINGS.effects,
+        scene=scene_part("experiments", "time"),
+        lengths=SETTINGS.studies["ablation"],
         provenance=full_order_code("full_order_effects"),
     message:
         "{wildcards.scene}: full order, each effect left out in turn"

@@ -1,5 +1,5 @@
-# The full-order model of each scene: structure, release states, the two decays, the forced run and the response curve.
-# The sweep is the longest job: it starts as soon as its structure is there, and everything else runs beside it.
+# What the full-order model of a scene brings before anything is asked: structure, release states and
+# the two recorded decays.
 
 
 def scene_part(*keys):
@@ -9,10 +9,14 @@ def scene_part(*keys):
     }
 
 
+def scene_modules(wildcards):
+    """The modules of the scene's body and effects."""
+    return SETTINGS.modules_of(wildcards.scene)
+
+
 def full_order_code(step):
-    return lambda wildcards: code(
-        step, *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"])
-    )
+    """The code of a step that builds the full-order model, and of the scene's effects."""
+    return lambda wildcards: code(step, *scene_modules(wildcards))
 
 
 rule structure:
@@ -52,7 +56,7 @@ rule release:
         "../scripts/step.py"
 
 
-rule full_order_decay:
+rule record:
     input:
         structure=rules.structure.output.structure,
         release=rules.release.output.release,
@@ -64,49 +68,10 @@ rule full_order_decay:
         "<benchmarks>/{scene}/full_order/{role}.tsv"
     priority: 70
     params:
-        scene=scene_part("decay", "time"),
+        scene=scene_part("record", "time"),
         role="{role}",
-        provenance=full_order_code("full_order_decay"),
+        provenance=full_order_code("record"),
     message:
-        "{wildcards.scene}: full-order decay ({wildcards.role})"
-    script:
-        "../scripts/step.py"
-
-
-rule full_order_forced:
-    input:
-        structure=rules.structure.output.structure,
-    output:
-        forced="<results>/{scene}/full_order/forced.nc",
-    log:
-        "<logs>/{scene}/full_order/forced.log",
-    benchmark:
-        "<benchmarks>/{scene}/full_order/forced.tsv"
-    priority: 60
-    params:
-        scene=scene_part("forced", "time"),
-        provenance=full_order_code("full_order_forced"),
-    message:
-        "{wildcards.scene}: full-order forced run"
-    script:
-        "../scripts/step.py"
-
-
-rule full_order_frc:
-    input:
-        structure=rules.structure.output.structure,
-    output:
-        frc="<results>/{scene}/full_order/frc.nc",
-    log:
-        "<logs>/{scene}/full_order/frc.log",
-    benchmark:
-        "<benchmarks>/{scene}/full_order/frc.tsv"
-    priority: 90
-    threads: 1
-    params:
-        scene=scene_part("frc", "time"),
-        provenance=full_order_code("full_order_frc"),
-    message:
-        "{wildcards.scene}: full-order response curve"
+        "{wildcards.scene}: recorded decay ({wildcards.role})"
     script:
         "../scripts/step.py"

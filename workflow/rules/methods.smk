@@ -46,7 +46,6 @@ for METHOD, BLOCK in METHODS.items():
             unpack(start_input(METHOD)),
             structure=rules.structure.output.structure,
             train="<results>/{scene}/full_order/train.nc",
-            test="<results>/{scene}/full_order/test.nc",
         output:
             rom=f"<results>/{{scene}}/{METHOD}/{{seed}}/rom.nc",
             losses=f"<results>/{{scene}}/{METHOD}/{{seed}}/losses.nc",

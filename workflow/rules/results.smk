@@ -28,18 +28,21 @@ def of_models(scenes, names):
     ]
 
 
-PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(
-    SCENES,
-    [name for name in SETTINGS.experiments if EXPERIMENTS[name].get("full_order") is not None],
-)
+ASKED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
+PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, ASKED)
 FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 
 
-ABLATION = of_full_order(SCENES, ["ablation"])
-ROBUST_SCENES = SETTINGS.stability["scenes"]
-ROBUSTNESS = of_full_order(ROBUST_SCENES, ["frc", "robustness"])
-ROBUSTNESS += of_models(ROBUST_SCENES, ["robustness"])
+def studied(study):
+    """The scenes of this run that a study is about."""
+    block = SETTINGS.studies.get(study)
+    return [] if block is None else [name for name in block.get("scenes", SCENES) if name in SCENES]
+
+
+COST_NAMES = [*FULL_ORDER_NAMES, "cost_full_order", "cost_reduced"]
+ROBUSTNESS = of_full_order(studied("robustness"), ["frc", "robustness"])
+ROBUSTNESS += of_models(studied("robustness"), ["robustness"])
 
 
 class Family(NamedTuple):
@@ -52,9 +55,9 @@ class Family(NamedTuple):
 FAMILIES = {
     # What guards promise is among the checks.
     "models": Family(list(SCENES), ARTEFACTS + ROBUSTNESS),
-    "cost": Family(COST_SCENES, COST_ARTEFACTS + of_full_order(COST_SCENES, FULL_ORDER_NAMES)),
-    "ablation": Family(list(SCENES), ABLATION),
-    "robustness": Family(ROBUST_SCENES, ROBUSTNESS),
+    "cost": Family(studied("cost"), of_full_order(studied("cost"), COST_NAMES)),
+    "ablation": Family(studied("ablation"), of_full_order(studied("ablation"), ["ablation"])),
+    "robustness": Family(studied("robustness"), ROBUSTNESS),
 }
 for NAME in outputs.families():
     if NAME not in FAMILIES:

@@ -1,7 +1,8 @@
 # The grid of hard cases: one job a fitted model and one for the full order of each scene.
 
+ROBUSTNESS = SETTINGS.studies.get("robustness", {"scenes": []})
 STABILITY = {
-    key: value for key, value in SETTINGS.stability.items() if key not in ("scenes", "full_order")
+    key: value for key, value in ROBUSTNESS.items() if key not in ("scenes", "full_order")
 }
 
 
@@ -9,7 +10,7 @@ def model_stability_code(wildcards):
     """The code of the grid, of the scene's effects, whose energy is asked for, and of the model."""
     return code(
         "stability",
-        *(f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]),
+        *scene_modules(wildcards),
         *model_modules(wildcards),
     )
 
@@ -19,8 +20,8 @@ rule model_stability:
         structure=rules.structure.output.structure,
         train="<results>/{scene}/full_order/train.nc",
         test="<results>/{scene}/full_order/test.nc",
-        forced_run=rules.full_order_forced.output.forced,
-        curve=rules.full_order_frc.output.frc,
+        forced_run=rules.full_order_forced.output.output,
+        curve=rules.full_order_frc.output.output,
         rom="<results>/{scene}/{method}/{seed}/rom.nc",
     output:
         output="<results>/{scene}/{method}/{seed}/stability.nc",
@@ -30,7 +31,7 @@ rule model_stability:
         "<benchmarks>/{scene}/{method}/{seed}/stability.tsv"
     params:
         step="stability",
-        scene=scene_part("frc", "time"),
+        scene=scene_part("experiments", "time"),
         scene_name="{scene}",
         method="{method}",
         seed=seed_of,
@@ -45,7 +46,7 @@ rule model_stability:
 rule full_order_stability:
     input:
         structure=rules.structure.output.structure,
-        curve=rules.full_order_frc.output.frc,
+        curve=rules.full_order_frc.output.output,
     output:
         stability="<results>/{scene}/full_order/stability.nc",
     log:
@@ -53,8 +54,8 @@ rule full_order_stability:
     benchmark:
         "<benchmarks>/{scene}/full_order/stability.tsv"
     params:
-        scene=scene_part("frc", "time"),
-        settings=SETTINGS.stability.get("full_order"),
+        scene=scene_part("experiments", "time"),
+        settings=ROBUSTNESS.get("full_order"),
         provenance=full_order_code("full_order_stability"),
     message:
         "{wildcards.scene}: full order: coarse steps"

@@ -8,55 +8,32 @@ names the cure.
 """
 
 import json
-import os
-import shutil
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts.files import DataError, replacing
+
 CONVENTIONS = "CF-1.11"
 UNSEEDED = -1
-FINISHED = ("ok", "left_range")  # outcomes of runs that went all the way
 
-# kind -> variables that a file of that kind always has.
+# kind -> variables that a file of that kind always has. Of an experiment that is what makes it one:
+# an outcome and scores.
 KINDS: dict[str, frozenset[str]] = {
-    "structure": frozenset(
-        {
-            "node",
-            "element_node",
-            "dof_node",
-            "dof_axis",
-            "mode_shape",
-            "frequency",
-            "load",
-            "probe_dof",
-        }
-    ),
+    "structure": frozenset({"mode_shape", "frequency", "damping_ratio", "load", "probe_dof"}),
     "release": frozenset({"displacement"}),
     "trajectory": frozenset(
         {"displacement", "velocity", "acceleration", "probe_displacement", "outcome", "failed_at"}
     ),
-    "forced": frozenset({"probe_displacement", "outcome", "failed_at"}),
-    "effects": frozenset(
-        {"first_frequency", "decay_nmte", "seconds_per_step", "outcome", "failed_at"}
-    ),
-    "frc": frozenset({"amplitude", "phase", "outcome", "failed_at"}),
+    "ablation": frozenset({"first_frequency", "decay_nmte", "seconds_per_step", "outcome"}),
     "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
     "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
+    "robustness": frozenset({"outcome", "failed_at"}),
     "rom": frozenset({"outcome"}),
     "losses": frozenset({"train_total"}),
-    "reconstruction": frozenset({"error", "score_value"}),
-    "decay": frozenset({"error", "reduced", "probe_displacement", "outcome", "score_value"}),
-    "backbone": frozenset({"amplitude", "angular_frequency"}),
-    "eigenvalues": frozenset({"real", "imaginary"}),
-    "run_times": frozenset({"score_value"}),
-    "stability": frozenset({"outcome", "failed_at"}),
 }
-
-
-class DataError(ValueError):
-    """A dataset or file that breaks the contract; the message names the file and the cure."""
+ANSWER = frozenset({"outcome", "failed_at", "seconds", "score_value"})
 
 
 def variable(dims, values, units: str, long_name: str, **attributes) -> xr.Variable:
@@ -95,12 +72,13 @@ def check(dataset: xr.Dataset, kind: str, where: str) -> None:
     found = dataset.attrs.get("kind")
     if found != kind:
         raise DataError(
-            f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the matching rule"
+            f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the "
+            "matching rule"
         )
-    missing = sorted(KINDS.get(kind, frozenset()) - set(dataset.variables))
+    missing = sorted(KINDS.get(kind, ANSWER) - set(dataset.variables))
     if missing:
         raise DataError(
-            f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again to make it anew"
+            f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again"
         )
     bare = sorted(
         str(name)
@@ -126,24 +104,8 @@ def save_dataset(
         for name, array in dataset.variables.items()
         if name in dataset.coords or array.dtype.kind in "iu"
     }
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    partial = target.with_name(f".{target.name}.partial")
-    try:
+    with replacing(path, dataset.nbytes) as partial:
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
-        os.replace(partial, target)
-    except (OSError, RuntimeError) as error:
-        # HDF5 reports a full disk as an error of its own.
-        why = (
-            "no space left on the disk"
-            if shutil.disk_usage(target.parent).free < dataset.nbytes
-            else str(error)
-        )
-        raise DataError(
-            f"{path}: cannot be written ({why}); free space or choose another results folder, then run again"
-        ) from error
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
@@ -154,7 +116,8 @@ def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError, RuntimeError) as error:
         raise DataError(
-            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again"
+            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and "
+            "run again"
         ) from error
     check(dataset, kind, str(path))
     return dataset

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from enum import Enum
+from enum import Enum, StrEnum
 
 
 class Severity(Enum):
@@ -16,7 +16,7 @@ class Severity(Enum):
     ABSENT = 3  # nothing was asked, for a reason that is no failure
 
 
-class Outcome(str, Enum):
+class Outcome(StrEnum):
     """An ending. As text it is its word, so that it is stored in arrays and tables as it is."""
 
     has_value: bool  # are there numbers to compare?
@@ -29,9 +29,6 @@ class Outcome(str, Enum):
         member._value_ = word
         member.has_value, member.severity, member.sentence = has_value, severity, sentence
         return member
-
-    def __str__(self) -> str:
-        return self.value
 
     OK = "ok", True, Severity.FINE, "ended as asked"
     LEFT_RANGE = "left_range", True, Severity.NOTE, "left its training range"

@@ -48,7 +48,8 @@ def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
             rate = state["done"] / (now - started)
             left = (total - state["done"]) / rate
             print(
-                f"{title}: {100 * state['done'] / total:3.0f} %, {rate:,.0f} {unit}/s, {left:,.0f} s left",
+                f"{title}: {100 * state['done'] / total:3.0f} %, {rate:,.0f} {unit}/s, "
+                f"{left:,.0f} s left",
                 file=sys.stderr,
                 flush=True,
             )

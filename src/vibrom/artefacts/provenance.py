@@ -19,8 +19,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from vibrom.config import plugs
-from vibrom.config.plugs import is_module, is_package, parse, tree
+from vibrom.config import source
+from vibrom.config.source import is_module, is_package, parse, tree
 
 DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
@@ -39,8 +39,8 @@ def _store() -> dict[str, dict]:
     Kept beside the bytecode, for as long as this code and that file stay as they are.
     """
     path, code = (
-        plugs.PACKAGE / "__pycache__" / f"provenance.{sys.implementation.cache_tag}.json",
-        [_stamp(Path(file)) for file in (__file__, plugs.__file__)],
+        source.PACKAGE / "__pycache__" / f"provenance.{sys.implementation.cache_tag}.json",
+        [_stamp(Path(file)) for file in (__file__, source.__file__)],
     )
     try:
         stored = json.loads(path.read_text())
@@ -66,7 +66,7 @@ def _read(module: str) -> dict:
     """The stamp of a module's file, the names that it may import and the sha256 of its parsed
     source.
     """
-    stored, stamp = _store(), _stamp(plugs.source(module))
+    stored, stamp = _store(), _stamp(source.path(module))
     if stored.get(module, {}).get("stamp") != stamp:
         parsed = tree(module)
         stored[module] = {
@@ -122,7 +122,7 @@ def data_digest(package: str) -> str:
     """sha256 of what lies below a package beside its code: published numbers, templates, style
     sheets.
     """
-    folder = plugs.PACKAGE.joinpath(*package.split(".")[1:])
+    folder = source.PACKAGE.joinpath(*package.split(".")[1:])
 
     def belongs(path: Path) -> bool:
         """Not what editors, numba or Python leave beside the sources."""

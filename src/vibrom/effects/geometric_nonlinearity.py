@@ -20,6 +20,8 @@ from vibrom.bodies.space import Space
 from vibrom.kernels.lanes import WIDTH, entry, fill, get, put, room
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
+STAGE = "forces"
+
 
 @dataclass(frozen=True)
 class GeometricNonlinearity:

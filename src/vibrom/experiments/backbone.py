@@ -7,16 +7,61 @@ amplitude A; damping follows from its slope, zeta = -(d ln A / dt) / omega; all 
 mean of 4. Source: Jin, Chen, Brake, Song, J. Vib. Acoust. 142(5) (2020) 051111.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import outcome_variables, scored, variable
-from vibrom.models.rollout import Integrator
+from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.experiments import Experiment, Given
+from vibrom.models.measures import crossings
+from vibrom.models.model import Model
 
-needs = ("decay", "test")
-full_order = ("test",)
-scores = {"frequency_error_percent": "percent"}
 MEAN_OF = 4
+
+
+@dataclass(frozen=True)
+class Backbone(Experiment):
+    """Has no settings."""
+
+    scores = {"frequency_error_percent": "percent"}
+    reads = ("decay",)
+    truth = "backbone"
+    of_model = False
+
+    def ask(self, model: Model | None, given: Given) -> xr.Dataset:
+        """The backbone at every probe of the model's own decay."""
+        decay = given.answers["decay"]
+        curves = [
+            peak_finding_and_fitting(decay["time"].values, x)
+            for x in decay["probe_displacement"].values
+        ]
+        padded = np.full((3, len(curves), max(len(curve[0]) for curve in curves)), np.nan)
+        for index, curve in enumerate(curves):
+            padded[:, index, : len(curve[0])] = curve
+        dims = ("probe", "peak")
+        return xr.Dataset(
+            {
+                "amplitude": variable(dims, padded[0], "m", "amplitude of each half period"),
+                "angular_frequency": variable(
+                    dims, padded[1], "rad s-1", "instantaneous angular frequency"
+                ),
+                "damping_ratio": variable(dims, padded[2], "1", "instantaneous damping ratio"),
+                **outcome_variables(str(decay["outcome"].item()), float(decay["failed_at"])),
+            },
+            coords={"probe": given.probe},
+        )
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
+        """Error of the frequency at the first probe over the amplitudes that both reach."""
+        return {"frequency_error_percent": frequency_error(*map(first_probe, (answer, truth)))}
+
+
+def first_probe(backbone: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """(amplitude [m], angular frequency [rad/s]) at the first probe."""
+    curve = [backbone[name].values[0] for name in ("amplitude", "angular_frequency")]
+    finite = np.isfinite(curve[0])
+    return curve[0][finite], curve[1][finite]
 
 
 def peak_finding_and_fitting(
@@ -27,10 +72,7 @@ def peak_finding_and_fitting(
     """
     finite = np.isfinite(x)
     time, x = time[finite], x[finite]
-    (before,) = np.nonzero(np.signbit(x[:-1]) != np.signbit(x[1:]))
-    crossing = time[before] - x[before] * (time[before + 1] - time[before]) / (
-        x[before + 1] - x[before]
-    )
+    crossing, before = crossings(time, x)
     count = len(crossing) - 1
     if count < MEAN_OF + 2:
         return np.zeros(0), np.zeros(0), np.zeros(0)
@@ -50,35 +92,6 @@ def peak_finding_and_fitting(
         np.convolve(values, window, mode="valid") for values in (amplitude, frequency, slope)
     )
     return amplitude, frequency, -slope / frequency
-
-
-def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
-    truth = artefacts["test"]
-    source = artefacts.get("decay", truth)
-    curves = [
-        peak_finding_and_fitting(source["time"].values, x)
-        for x in source["probe_displacement"].values
-    ]
-    longest = max(len(curve[0]) for curve in curves)
-    padded = np.full((3, len(curves), longest), np.nan)
-    for index, curve in enumerate(curves):
-        padded[:, index, : len(curve[0])] = curve
-    dims = ("probe", "peak")
-    dataset = xr.Dataset(
-        {
-            "amplitude": variable(dims, padded[0], "m", "amplitude of each half period"),
-            "angular_frequency": variable(
-                dims, padded[1], "rad s-1", "instantaneous angular frequency"
-            ),
-            "damping_ratio": variable(dims, padded[2], "1", "instantaneous damping ratio"),
-            **outcome_variables(str(source["outcome"].item()), float(source["failed_at"])),
-        },
-        coords={"probe": source["probe"].variable},
-    )
-    if source is truth:
-        return scored(dataset, {}, {})
-    true = peak_finding_and_fitting(truth["time"].values, truth["probe_displacement"].values[0])
-    return scored(dataset, {"frequency_error_percent": frequency_error(curves[0], true)}, scores)
 
 
 def frequency_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) -> float:

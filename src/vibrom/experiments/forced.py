@@ -1,91 +1,108 @@
 """The response to a forcing at the damped first frequency, from rest; the error is that of the last
 period.
 
-Source: thesis, section 3.4.1. The model never saw a forced motion.
+Source: thesis, section 3.4.1. Reduced models never saw a forced motion.
 """
 
-import time
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import outcome_variables, scored, variable
+from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.config.kinds import Count, Positive
+from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.measures import nmte_percent
-from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
+from vibrom.models.model import Drive, Model, Watch
 
-needs = ("structure", "rom", "forced")
-full_order = None
-scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
-THIN = 2  # the whole trajectory is kept at every second sample of the full-order one
+THIN = 2  # the whole motion is kept at every second of the instants of a period
 
 
-def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
-    rom, structure, truth = artefacts["rom"], artefacts["structure"], artefacts["forced"]
-    probes = structure["probe_dof"].values
-    drive = Drive(
-        structure["load"].values,
-        np.array([truth["forcing"].item()]),
-        np.array([truth["angular_frequency"].item()]),
-    )
-    instants = np.union1d(truth["time"].values[::THIN], truth["last_time"].values)
-    began = time.perf_counter()
-    run = rollout(
-        rom,
-        rom.encode(np.zeros((1, 2 * len(structure["load"])))),
-        instants[None],
-        integrator,
-        drive,
-    )
-    whole, last = (
-        run.reduced[0][np.searchsorted(instants, when)]
-        for when in (truth["time"].values[::THIN], truth["last_time"].values)
-    )
-    displacement, probe = decode_displacement(rom, last), decode_displacement(rom, whole, probes)
-    seconds = time.perf_counter() - began
-    true = truth["last_displacement"].values
-    error = np.linalg.norm(true - displacement, axis=1)
-    watched, watched_true = displacement[:, probes[0]], true[:, probes[0]]
-    at = int(watched.argmax()) if np.isfinite(watched).all() else 0
-    dims = ("time", "coordinate")
-    dataset = xr.Dataset(
-        {
+@dataclass(frozen=True)
+class Forced(Experiment):
+    """One amplitude, one frequency."""
+
+    forcing: Positive  # amplitude, times the scene's load
+    periods: Count = 200
+
+    scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
+    truth = "forced"
+
+    def brief(self) -> "Forced":
+        """Two periods."""
+        return replace(self, periods=min(self.periods, 2))
+
+    def ask(self, model: Model, given: Given) -> xr.Dataset:
+        """The probes from the start, all displacements in the last period."""
+        drive = Drive(np.array([float(self.forcing)]), np.array([model.frequency]))
+        period, total = drive.period[0], self.periods * given.samples
+        instants = period * np.arange(0, total + 1, THIN) / given.samples
+        last = period * np.arange(total - given.samples, total + 1) / given.samples
+        run = model.motion(at_rest(model), drive, Watch(instants, model.probes), Watch(last))
+        answer = {
             "probe_displacement": variable(
-                ("probe", "time"), probe.T, "m", "displacement of the model at the probes"
+                ("probe", "time"), run.displacement[0][0].T, "m", "displacement at the probes"
             ),
-            "reduced": variable(dims, whole, "1", "reduced coordinates of the model"),
-            "final_shape": variable(
-                "dof",
-                displacement[at],
+            "last_displacement": variable(
+                ("last_time", "dof"),
+                run.displacement[1][0],
                 "m",
-                "displacement when the first probe is highest in the last period",
+                "displacement of each free dof in the last period",
             ),
-            "final_shape_true": variable(
-                "dof", true[int(watched_true.argmax())], "m", "the same of the full-order model"
+            "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
+            "angular_frequency": variable(
+                (), model.frequency, "rad s-1", "angular frequency of the forcing"
             ),
-            "error": variable(
+            "period": variable((), period, "s", "period of the forcing"),
+            **outcome_variables(run.outcome[0], run.failed_at[0], run.seconds),
+        }
+        if run.reduced is not None:
+            answer |= {
+                "reduced": variable(
+                    ("time", "coordinate"), run.reduced[0][0], "1", "reduced coordinates"
+                ),
+                "range_ratio": variable(
+                    (),
+                    run.range_ratio[0],
+                    "1",
+                    "largest reduced coordinate over the largest in the training data",
+                ),
+            }
+        coords = {
+            "time": variable("time", instants, "s", "time since the forcing began"),
+            "last_time": variable(
+                "last_time", last, "s", "time since the forcing began, in the last period"
+            ),
+            "probe": given.probe,
+            "probe_dof": given.structure["probe_dof"].variable,
+        }
+        return xr.Dataset(answer, coords=coords)
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
+        """NMTE of the last period, and the error of its largest value at the first probe."""
+        model, true = (item["last_displacement"].values for item in (answer, truth))
+        first = int(answer["probe_dof"].values[0])
+        amplitude = model[:, first].max() / true[:, first].max()
+        return {
+            "nmte_percent": nmte_percent(true, model),
+            "amplitude_error_percent": float(100 * (amplitude - 1)),
+        }
+
+    def stored(self, answer: xr.Dataset, truth: xr.Dataset) -> xr.Dataset:
+        """With the shapes when the first probe is highest instead of all displacements."""
+        model, true = (item["last_displacement"].values for item in (answer, truth))
+        first = int(answer["probe_dof"].values[0])
+        watched = model[:, first]
+        at = int(watched.argmax()) if np.isfinite(watched).all() else 0
+        error = np.linalg.norm(true - model, axis=1)
+        return answer.drop_vars("last_displacement").assign(
+            final_shape=variable(
+                "dof", model[at], "m", "displacement when the first probe is highest at the end"
+            ),
+            final_shape_true=variable(
+                "dof", true[int(true[:, first].argmax())], "m", "the same of the full order"
+            ),
+            error=variable(
                 "last_time", error, "m", "norm of the displacement error in the last period"
             ),
-            "range_ratio": variable(
-                (),
-                run.range_ratio[0],
-                "1",
-                "largest reduced coordinate over the largest in the training data",
-            ),
-            **outcome_variables(run.outcome[0], run.failed_at[0], seconds),
-        },
-        coords={
-            "time": variable(
-                "time", truth["time"].values[::THIN], "s", "time since the forcing began"
-            ),
-            "last_time": truth["last_time"].variable,
-            "probe": structure["probe"].variable,
-        },
-    )
-    return scored(
-        dataset,
-        {
-            "nmte_percent": nmte_percent(error, true),
-            "amplitude_error_percent": float(100 * (watched.max() / watched_true.max() - 1)),
-        },
-        scores,
-    )
+        )

@@ -1,90 +1,88 @@
 """The forced response curve: amplitude and phase of the last period, every frequency from rest, all
 frequencies side by side.
 
-Source: thesis, section 2.3.3.
+Started from rest, a frequency shows one of the motions that are possible there. Source: thesis,
+section 2.3.3.
 """
 
-import time
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import outcome_variables, scored, variable
-from vibrom.models.measures import amplitude_and_phase
-from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
-
-needs = ("structure", "rom", "frc")
-full_order = None
-scores = {
-    "completed": "1",
-    "amplitude_error_median_percent": "percent",
-    "peak_error_percent": "percent",
-}
-# of the last period: a maximum between two samples is missed by at most (pi/500)^2/2 = 2e-5 of it
-SAMPLES = 500
+from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Count, Positive
+from vibrom.experiments import Experiment, Given, at_rest
+from vibrom.models.measures import curve_error, periodic
+from vibrom.models.model import Drive, Model, Watch
 
 
-def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
-    rom, structure, truth = artefacts["rom"], artefacts["structure"], artefacts["frc"]
-    frequency, periods = truth["angular_frequency"].values, int(truth.attrs["periods"])
-    runs, n, probes = len(frequency), len(structure["load"]), structure["probe_dof"].values
-    drive = Drive(structure["load"].values, np.full(runs, truth["forcing"].item()), frequency)
-    period = (2 * np.pi / frequency)[:, None]
-    instants = period * (periods - 1 + np.arange(SAMPLES + 1) / SAMPLES)
-    began = time.perf_counter()
-    run = rollout(
-        rom, np.repeat(rom.encode(np.zeros((1, 2 * n))), runs, axis=0), instants, integrator, drive
-    )
-    watched = decode_displacement(
-        rom, run.reduced[:, :-1].reshape(runs * SAMPLES, -1), probes
-    ).reshape(runs, SAMPLES, len(probes))
-    amplitude, phase = amplitude_and_phase(watched.transpose(2, 0, 1))
-    seconds = time.perf_counter() - began
-    dims = ("probe", "angular_frequency")
-    dataset = xr.Dataset(
-        {
-            "amplitude": variable(dims, amplitude, "m", "largest displacement of the last period"),
-            "phase": variable(
-                dims, phase, "rad", "phase of the first harmonic relative to the forcing"
+@dataclass(frozen=True)
+class ResponseCurve(Experiment):
+    """One forcing amplitude at equally spaced frequencies."""
+
+    forcing: Positive  # amplitude, times the scene's load
+    periods: Count = 200  # from rest, at each frequency
+    frequencies: Count = 33  # from the lowest to the highest
+    lowest: Positive = 0.8  # times the damped first frequency
+    highest: Positive = 1.2  # times the damped first frequency
+
+    scores = {
+        "completed": "1",
+        "amplitude_error_median_percent": "percent",
+        "peak_error_percent": "percent",
+    }
+    truth = "frc"
+
+    def brief(self) -> "ResponseCurve":
+        """One frequency, one period."""
+        return replace(self, periods=1, frequencies=1)
+
+    def ask(self, model: Model, given: Given) -> xr.Dataset:
+        """Largest and smallest value of the last period at every probe, and the phase."""
+        frequency = np.linspace(self.lowest, self.highest, self.frequencies) * model.frequency
+        drive = Drive(np.full(len(frequency), float(self.forcing)), frequency)
+        # The instants are those after a step, up to the end, which is also the period's beginning.
+        part = np.arange(1, model.samples + 1) / model.samples
+        instants = drive.period[:, None] * (self.periods - 1 + part)
+        run = model.motion(at_rest(model, len(frequency)), drive, Watch(instants, model.probes))
+        shown = periodic(np.roll(run.displacement[0].transpose(2, 0, 1), 1, axis=-1))
+        dims, point = ("probe", "angular_frequency"), "angular_frequency"
+        answer = {
+            "amplitude": variable(dims, shown.maximum, "m", "largest value of the last period"),
+            "minimum": variable(dims, shown.minimum, "m", "smallest value of the last period"),
+            "half_range": variable(
+                dims, shown.half_range, "m", "half the range of the last period, peak to peak"
             ),
-            "range_ratio": variable(
-                "angular_frequency",
+            "phase": variable(
+                dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
+            ),
+            "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
+            **outcome_variables(Outcome.OK, seconds=run.seconds),
+            "outcome": variable(point, run.outcome, "1", "how the run ended"),
+            "failed_at": variable(
+                point, run.failed_at, "s", "when the run failed or first left the training range"
+            ),
+        }
+        if run.reduced is not None:
+            answer["range_ratio"] = variable(
+                point,
                 run.range_ratio,
                 "1",
                 "largest reduced coordinate over the largest in the training data",
-            ),
-            "forcing": variable(
-                (), truth["forcing"].item(), "1", "forcing amplitude, times the scene's load"
-            ),
-            **outcome_variables("ok", seconds=seconds),
-            "outcome": variable(
-                "angular_frequency", np.array(run.outcome, dtype=object), "1", "how the run ended"
-            ),
-            "failed_at": variable(
-                "angular_frequency",
-                run.failed_at,
-                "s",
-                "simulated time of the failure, or of leaving the training range",
-            ),
-        },
-        coords={
-            "angular_frequency": truth["angular_frequency"].variable,
-            "probe": structure["probe"].variable,
-        },
-    )
-    # Models fail at the peak first: a curve with gaps has no peak and no median to tell (NaN stays
-    # NaN). Where the full order failed there is nothing to compare with.
-    reference = truth["amplitude"].values[0]
-    known = np.isfinite(reference)
-    relative = 100 * np.abs(amplitude[0, known] / reference[known] - 1)
-    return scored(
-        dataset,
-        {
-            "completed": float(np.isfinite(amplitude[0]).sum()),
-            "amplitude_error_median_percent": float(np.median(relative))
-            if known.any()
-            else float("nan"),
-            "peak_error_percent": float(100 * (amplitude[0].max() / reference.max() - 1)),
-        },
-        scores,
-    )
+            )
+        coords = {
+            point: variable(point, frequency, "rad s-1", "angular frequency of the forcing"),
+            "probe": given.probe,
+        }
+        return xr.Dataset(answer, coords=coords)
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
+        """Errors of the amplitude at the first probe."""
+        error = curve_error(*(item["amplitude"].values[0] for item in (answer, truth)))
+        return {
+            "completed": float(error.completed),
+            "amplitude_error_median_percent": error.median_percent,
+            "peak_error_percent": error.peak_percent,
+        }

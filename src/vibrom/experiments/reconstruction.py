@@ -1,37 +1,62 @@
 """How well the model's own coordinates describe an unseen decay:  q against the displacement of
 decode(encode(q, v)).
 
-No dynamics is asked. Source: thesis, section 3.2.3.
+No dynamics is evaluated. Source: thesis, section 3.2.3.
 """
 
 import time
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import outcome_variables, scored, variable
+from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.artefacts.outcome import Outcome
+from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import nmte_percent
+from vibrom.models.model import Model
 from vibrom.models.recorded import trajectory
-from vibrom.models.rollout import Integrator, decode_displacement
-
-needs = ("structure", "rom", "test")
-full_order = None
-scores = {"nmte_percent": "percent"}
 
 
-def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
-    rom, truth = artefacts["rom"], trajectory(artefacts["test"])
-    began = time.perf_counter()
-    encoded = rom.encode(truth.state)
-    error = np.linalg.norm(truth.displacement - decode_displacement(rom, encoded), axis=1)
-    dataset = xr.Dataset(
-        {
-            "error": variable("time", error, "m", "norm of the displacement error"),
-            "encoded": variable(
-                ("time", "coordinate"), encoded, "1", "reduced coordinates of the true trajectory"
-            ),
-            **outcome_variables("ok", seconds=time.perf_counter() - began),
-        },
-        coords={"time": variable("time", truth.time, "s", "time since release")},
-    )
-    return scored(dataset, {"nmte_percent": nmte_percent(error, truth.displacement)}, scores)
+@dataclass(frozen=True)
+class Reconstruction(Experiment):
+    """Has no settings."""
+
+    scores = {"nmte_percent": "percent"}
+    reads = ("test",)
+    truth = "test"
+    of_full_order = False
+
+    def ask(self, model: Model, given: Given) -> xr.Dataset:
+        """Reduced coordinates of the true motion, and the displacements that they stand for."""
+        record = trajectory(given.answers["test"])
+        began = time.perf_counter()
+        encoded = model.coordinates(record.state)
+        displacement = model.decoded(encoded)
+        seconds = time.perf_counter() - began
+        return xr.Dataset(
+            {
+                "displacement": variable(
+                    ("time", "dof"), displacement, "m", "displacement of each free dof"
+                ),
+                "encoded": variable(
+                    ("time", "coordinate"), encoded, "1", "reduced coordinates of the true motion"
+                ),
+                **outcome_variables(Outcome.OK, seconds=seconds),
+            },
+            coords={"time": variable("time", record.time, "s", "time since release")},
+        )
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
+        """NMTE over the whole decay."""
+        true = trajectory(truth).displacement
+        return {"nmte_percent": nmte_percent(true, answer["displacement"].values)}
+
+    def stored(self, answer: xr.Dataset, truth: xr.Dataset) -> xr.Dataset:
+        """With the norm of the error instead of all displacements."""
+        error = answer["displacement"].values - trajectory(truth).displacement
+        return answer.drop_vars("displacement").assign(
+            error=variable(
+                "time", np.linalg.norm(error, axis=1), "m", "norm of the displacement error"
+            )
+        )

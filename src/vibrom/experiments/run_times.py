@@ -5,50 +5,57 @@ Wall time of the computation alone: loading, compilation and warm-up are outside
 columns: thesis, section 3.5.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import FINISHED, outcome_variables, scored
-from vibrom.models.rollout import Integrator
+from vibrom.artefacts.data import outcome_variables
+from vibrom.artefacts.outcome import Outcome, worst
+from vibrom.experiments import Experiment, Given
+from vibrom.models.model import Model
 
-needs = ("train", "rom", "decay", "forced", "frc")
-full_order = ("test", "forced", "frc")
-scores = dict.fromkeys(
-    (
-        "generate_training_data_s",
-        "obtain_mapping_s",
-        "obtain_dynamics_s",
-        "decay_s",
-        "forced_s",
-        "frc_s",
-    ),
-    "s",
-)
+# score -> the answer that it is read from, and the variable there
+SOURCES = {
+    "generate_training_data_s": ("train", "seconds"),
+    "obtain_mapping_s": ("fit", "mapping_seconds"),
+    "obtain_dynamics_s": ("fit", "dynamics_seconds"),
+    "decay_s": ("decay", "seconds"),
+    "forced_s": ("forced", "seconds"),
+    "frc_s": ("frc", "seconds"),
+}
 
 
-def predict(artefacts: dict, integrator: Integrator) -> xr.Dataset:
-    """What did not go all the way has no time: a model that blows up is not a fast one."""
-    failures = []
+@dataclass(frozen=True)
+class RunTimes(Experiment):
+    """Has no settings."""
 
-    def seconds(name: str, variable: str = "seconds") -> float:
-        bad = [
-            word
-            for word in np.unique(artefacts[name]["outcome"].values.astype(str))
-            if word not in FINISHED
-        ]
-        failures.extend(bad)
-        return float("nan") if bad else float(artefacts[name][variable])
-
-    found = {
-        "decay_s": seconds("decay" if "decay" in artefacts else "test"),
-        "forced_s": seconds("forced"),
-        "frc_s": seconds("frc"),
+    scores = {
+        "generate_training_data_s": "s",
+        "obtain_mapping_s": "s",
+        "obtain_dynamics_s": "s",
+        "decay_s": "s",
+        "forced_s": "s",
+        "frc_s": "s",
     }
-    if "train" in artefacts:
-        found |= {
-            "generate_training_data_s": seconds("train"),
-            "obtain_mapping_s": seconds("rom", "mapping_seconds"),
-            "obtain_dynamics_s": seconds("rom", "dynamics_seconds"),
+    reads = ("train", "fit", "decay", "forced", "frc")
+    of_model = False
+
+    def ask(self, model: Model | None, given: Given) -> xr.Dataset:
+        """What did not go all the way has no time: a model that blows up is not a fast one."""
+        found = {
+            name: given.answers[source]
+            for name, (source, _) in SOURCES.items()
+            if source in given.answers
         }
-    units = {name: unit for name, unit in scores.items() if name in found}  # in their order
-    return scored(xr.Dataset(outcome_variables(failures[0] if failures else "ok")), found, units)
+        ended = {name: worst(np.ravel(item["outcome"].values)) for name, item in found.items()}
+        seconds = {
+            name: item[SOURCES[name][1]].where(ended[name].has_value)
+            for name, item in found.items()
+        }
+        failed = [outcome for outcome in ended.values() if not outcome.has_value]
+        return xr.Dataset({**seconds, **outcome_variables(failed[0] if failed else Outcome.OK)})
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset | None) -> dict[str, float]:
+        """The seconds."""
+        return {name: float(answer[name]) for name in self.scores if name in answer}

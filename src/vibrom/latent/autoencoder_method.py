@@ -14,7 +14,8 @@ from vibrom.latent import coordinates
 from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom, slope_at_rest
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.models.rom import Method, MethodError, Training
+from vibrom.models.method import Method
+from vibrom.models.training import MethodError, Training
 
 if TYPE_CHECKING:
     import torch
@@ -42,7 +43,6 @@ class Problem:
 
     coordinates: Coordinates
     train: np.ndarray
-    test: np.ndarray | None
     straight: tuple[np.ndarray, np.ndarray]
     autoencoder: Autoencoder
     dynamics: Dynamics | None
@@ -133,7 +133,6 @@ class AutoencoderMethod(Method):
                 problem.dynamics,
                 self.plan(),
                 problem.train,
-                problem.test,
                 seed=training.seed or 0,
                 device=problem.device,
                 monitor=training.monitor,
@@ -157,7 +156,6 @@ class AutoencoderMethod(Method):
             time_scale=self.time_scale,
         )
         stack = chosen.stack(training.trajectories, self.every)
-        test = chosen.stack(training.test, self.every) if training.test else None
         straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
         device = pick_device(training.device)
         tensors = [
@@ -175,7 +173,6 @@ class AutoencoderMethod(Method):
         return Problem(
             chosen,
             stack,
-            test,
             straight,
             autoencoder,
             self.dynamics(training, chosen, stack),

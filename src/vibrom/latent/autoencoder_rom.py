@@ -30,7 +30,8 @@ from scipy.sparse.linalg import splu
 from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import continued
 from vibrom.latent.polynomial import exponents, monomials
-from vibrom.models.rom import Guards, MethodError, Rom, Training, array_field
+from vibrom.models.rom import Guards, Rom, array_field
+from vibrom.models.training import MethodError, Training
 
 if TYPE_CHECKING:
     from vibrom.solvers.reduced.field import Field

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from vibrom.models.rom import MethodError, Structure, Training, Trajectory
+from vibrom.models.training import MethodError, Structure, Training, Trajectory
 
 
 @dataclass(frozen=True)

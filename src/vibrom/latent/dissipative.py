@@ -21,7 +21,7 @@ QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one non-negative 
 import numpy as np
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.models.rom import MethodError
+from vibrom.models.training import MethodError
 
 # of the turning at rest, which is one in units of the range: the softest restoring force that a fit
 # may choose

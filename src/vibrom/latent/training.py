@@ -22,7 +22,7 @@ import torch
 from vibrom.latent.autoencoder import Autoencoder, Polynomial
 from vibrom.latent.graphs import captured
 from vibrom.latent.optimisers import OPTIMISERS, Adam, Soap
-from vibrom.models.rom import MethodError, Monitor, TrainingDiverged
+from vibrom.models.training import MethodError, Monitor, TrainingDiverged
 
 ROWS = 100
 CHECKPOINT_SECONDS = 5.0
@@ -265,7 +265,6 @@ def train(
     dynamics: Dynamics | None,
     schedule: Schedule,
     train_stack: np.ndarray,
-    test_stack: np.ndarray | None,
     *,
     seed: int,
     device: torch.device,
@@ -281,14 +280,13 @@ def train(
     learner = Learner(autoencoder, dynamics, dtype, device, generator)
     optimiser = OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes)
     c = torch.tensor(train_stack, dtype=dtype, device=device)
-    test = None if test_stack is None else torch.tensor(test_stack, dtype=dtype, device=device)
     every = ceil(schedule.epochs / ROWS)
     history: dict[str, list[float]] = {}
     first = _restore(monitor, label, learner, optimiser, generator, history, schedule.epochs)
     saved = time.monotonic()
     for epoch, sums in epochs(learner, optimiser, schedule, c, generator, first):
         if epoch % every == 0 or epoch in (1, schedule.epochs):
-            _record(learner, sums, test, epoch, schedule.epochs, history, monitor)
+            _record(learner, sums, epoch, schedule.epochs, history, monitor)
         if time.monotonic() - saved > CHECKPOINT_SECONDS:
             monitor.checkpoint(_state(label, epoch, learner, optimiser, generator, history))
             saved = time.monotonic()
@@ -298,7 +296,6 @@ def train(
 def _record(
     learner: Learner,
     sums: torch.Tensor,
-    test,
     epoch: int,
     epochs: int,
     history: dict[str, list[float]],
@@ -309,11 +306,6 @@ def _record(
         raise TrainingDiverged(
             f"the loss is {row['train_total']} at epoch {epoch} of {epochs}; lower learning_rate"
         )
-    if test is not None:
-        row |= {
-            f"test_{name}": value
-            for name, value in zip(learner.terms, learner.losses(test, learn=False).tolist())
-        }
     for name, value in {"epoch": epoch, **row}.items():
         history.setdefault(name, []).append(value)
     monitor.epoch(epoch, epochs, row)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrom.latent.autoencoder_method import AutoencoderMethod, fit_first_order
-from vibrom.models.rom import Training
+from vibrom.models.training import Training
 
 
 @dataclass(frozen=True)

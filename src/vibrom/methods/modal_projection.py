@@ -12,7 +12,8 @@ import numpy as np
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.latent.polynomial_rom import PolynomialRom
-from vibrom.models.rom import Method, Training
+from vibrom.models.method import Method
+from vibrom.models.training import Training
 
 
 @dataclass(frozen=True)

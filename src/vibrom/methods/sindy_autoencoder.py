@@ -18,7 +18,7 @@ import numpy as np
 from vibrom.latent.autoencoder_method import AutoencoderMethod
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents
-from vibrom.models.rom import Training
+from vibrom.models.training import Training
 
 if TYPE_CHECKING:
     from vibrom.latent.training import Dynamics

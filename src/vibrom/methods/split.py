@@ -22,7 +22,7 @@ from vibrom.latent.autoencoder_method import AutoencoderMethod
 from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates, linear_dynamics, static_norm
 from vibrom.latent.polynomial import exponents
-from vibrom.models.rom import MethodError, Training
+from vibrom.models.training import MethodError, Training
 
 if TYPE_CHECKING:
     from vibrom.latent.training import Dynamics

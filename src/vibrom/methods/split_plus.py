@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from vibrom.latent.autoencoder_method import fit_first_order, scaled_motion
 from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom
 from vibrom.latent.coordinates import linear_dynamics
-from vibrom.models.rom import Method, MethodError, Training
+from vibrom.models.method import Method
+from vibrom.models.training import MethodError, Training
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ import numpy as np
 from vibrom.latent.coordinates import linear_dynamics
 from vibrom.latent.polynomial import exponents
 from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder
-from vibrom.models.rom import Method, Training
+from vibrom.models.method import Method
+from vibrom.models.training import Training
 
 
 @dataclass(frozen=True)

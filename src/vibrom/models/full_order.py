@@ -1,63 +1,132 @@
-"""What the full-order steps share: the assembled scene, its integrator, its clock and its bar."""
+"""The full-order model: a body with its effects, integrated in time.
+
+Runs take `steps_per_period` steps to each period of their drive, or of the damped first mode where
+they are left alone; instants that are watched lie on those steps.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from vibrom import effects
-from vibrom.artefacts.data import open_dataset, outcome_variables, variable
 from vibrom.artefacts.progress import bar
 from vibrom.bodies import space
-from vibrom.bodies.space import Space
-from vibrom.solvers.full.newmark import Motion, Newmark, Record
+from vibrom.config.scene import Time
+from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.recorded import damped_frequency
+from vibrom.solvers.full.newmark import Motion as SolverMotion
+from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
+
+ON_STEP = 1e-6  # of a step: farther from one an instant is not on the grid
 
 
 @dataclass(frozen=True)
 class FullOrder:
-    """A scene ready to run: its space, its term, its Newmark settings and the period [s] of its
-    damped first mode.
+    """A scene ready to run."""
 
-    `rest` (n,) [m] is its equilibrium under the dead load; displacements that go in and come out
-    are measured from it.
-    """
-
-    name: str
-    space: Space
     term: Term
+    probes: np.ndarray  # (k,) free displacement that each probe watches
     newmark: Newmark
     steps_per_period: int
-    every: int
-    initial_acceleration: str
-    frequency: float
-    rest: np.ndarray
+    initial_acceleration: str  # zero, or that of equilibrium with the forces at the start
+    frequency: float  # rad/s, damped first frequency
+    poles: np.ndarray  # complex, 1/s, of small motions about the rest state
+    rest: np.ndarray  # (n,) m, equilibrium under the dead load
+    title: str = "full order"  # for the progress bar
+
+    @classmethod
+    def of_scene(cls, scene: dict[str, Any], known: xr.Dataset) -> FullOrder:
+        """The model of a scene with the blocks `body`, `effects` and `time`; `known` is its
+        structure.
+        """
+        body, time = space.build(scene["body"]), Time.from_builtins(scene["time"])
+        omega, zeta = known["frequency"].values, known["damping_ratio"].values
+        root = np.sqrt(zeta.astype(complex) ** 2 - 1.0)
+        return cls(
+            term=effects.assemble(body, scene["effects"]),
+            probes=known["probe_dof"].values,
+            newmark=Newmark(alpha=time.alpha, tolerance=time.residual),
+            steps_per_period=time.steps_per_period,
+            initial_acceleration=time.initial_acceleration,
+            frequency=damped_frequency(known),
+            poles=np.concatenate([omega * (-zeta + root), omega * (-zeta - root)]),
+            rest=known["equilibrium"].values if "equilibrium" in known else np.zeros(body.size),
+            title=str(known.attrs["scene"]),
+        )
+
+    @property
+    def size(self) -> int:
+        """n, free displacements."""
+        return len(self.rest)
+
+    @property
+    def samples(self) -> int:
+        """Instants of a period that cost nothing extra: the steps."""
+        return self.steps_per_period
 
     @property
     def period(self) -> float:
-        return 2 * np.pi / self.frequency
+        """Of the damped first mode [s]."""
+        return 2.0 * np.pi / self.frequency
 
-    @property
-    def probes(self) -> np.ndarray:
-        return np.array(list(self.space.probes.values()), dtype=np.int64)
+    def coordinates(self, state: np.ndarray) -> np.ndarray:
+        """The state (m, 2n) itself."""
+        return state
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """The displacements of a state."""
+        displacement = coordinates[..., : self.size]
+        return displacement if dofs is None else displacement[..., dofs]
+
+    def eigenvalues(self) -> np.ndarray:
+        """Omega (-zeta +- sqrt(zeta^2 - 1)) of its modes [1/s]."""
+        return self.poles
+
+    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+        """See `Model.motion`. Raises ValueError where an instant does not lie on a step."""
+        runs = len(start)
+        step = (np.full(runs, self.period) if drive is None else drive.period) / (
+            self.steps_per_period
+        )
+        places = [steps_of(watch.instants, step) for watch in watches]
+        last = max(int(place[-1]) for place in places)
+        record = _record(watches, places, last)
+        run = self.run(start, step, last, record, drive)
+        displacement = tuple(
+            run.displacement[:, np.searchsorted(run.kept, place)]
+            if watch.dofs is None
+            else run.probes[:, np.searchsorted(record.probes, watch.dofs)][
+                :, :, place - record.probe_start
+            ].transpose(0, 2, 1)
+            for watch, place in zip(watches, places)
+        )
+        outcome = np.array(run.outcomes, dtype=object)
+        unknown = np.full(runs, np.nan)
+        return Motion(displacement, None, outcome, run.failed_at, unknown, run.seconds)
 
     def run(
-        self,
-        displacement: np.ndarray,
-        step: np.ndarray,
-        steps: int,
-        record: Record,
-        title: str,
-        signal: np.ndarray | None = None,
-    ) -> Motion:
-        with bar(title, steps * displacement.shape[1], "steps") as advance:
+        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None
+    ) -> SolverMotion:
+        """`steps` steps of `step` (b,) [s] from `start` (b, 2n), with all that the integrator
+        keeps.
+        """
+        displacement, velocity = (part.T for part in np.split(start, 2, axis=1))
+        signal = None
+        if drive is not None:
+            phase = 2.0 * np.pi * np.arange(steps + 1)[:, None] / self.steps_per_period
+            signal = np.sin(phase) * drive.amplitude
+        with bar(self.title, steps * len(start), "steps") as advance:
             motion = self.newmark.run(
                 self.term,
                 self.rest[:, None] + displacement,
                 step,
                 steps,
+                velocity=velocity,
                 signal=signal,
                 initial_acceleration=self.initial_acceleration,
                 record=record,
@@ -67,49 +136,31 @@ class FullOrder:
         motion.probes -= self.rest[record.probes, None]
         return motion
 
-    def forced(
-        self, forcing: np.ndarray, frequency: np.ndarray, steps: int, record: Record, title: str
-    ) -> Motion:
-        """From rest under  p forcing sin(frequency t),  `steps_per_period` steps to each period of
-        the forcing.
-        """
-        phase = 2 * np.pi * np.arange(steps + 1)[:, None] / self.steps_per_period
-        step = 2 * np.pi / (frequency * self.steps_per_period)
-        return self.run(
-            np.zeros((self.space.size, len(forcing))),
-            step,
-            steps,
-            record,
-            title,
-            np.sin(phase) * forcing,
+
+def steps_of(instants: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Step numbers (m,) of `instants` (m,) or (b, m) [s] for steps (b,) [s]."""
+    exact = np.broadcast_to(instants, (len(step), np.shape(instants)[-1])) / step[:, None]
+    place = np.rint(exact[0]).astype(np.int64)
+    off = np.abs(exact - place)
+    if off.size and off.max() > ON_STEP:
+        at = np.unravel_index(off.argmax(), off.shape)
+        raise ValueError(
+            f"the instant {np.broadcast_to(instants, exact.shape)[at]:.9g} s lies between two time "
+            f"steps of {step[at[0]]:.9g} s; watch instants that are whole steps"
         )
+    return place
 
 
-def build(scene: dict, structure: str) -> FullOrder:
-    body = space.build(scene["body"])
-    time, known = scene["time"], open_dataset(structure, "structure")
-    first = known.isel(mode=0)
-    damped = float(first["frequency"]) * np.sqrt(1.0 - float(first["damping_ratio"]) ** 2)
-    rest = known["equilibrium"].values if "equilibrium" in known else np.zeros(body.size)
-    return FullOrder(
-        known.attrs["scene"],
-        body,
-        effects.assemble(body, scene["effects"]),
-        Newmark(alpha=time["alpha"], tolerance=time["residual"]),
-        time["steps_per_period"],
-        time["every"],
-        time["initial_acceleration"],
-        damped,
-        rest,
-    )
-
-
-def probe_coordinate(model: FullOrder) -> xr.Variable:
-    return variable(
-        "probe", np.array(list(model.space.probes), dtype=object), "1", "name of the probe"
-    )
-
-
-def motion_outcome(motion: Motion) -> dict[str, xr.Variable]:
-    """Outcome variables of a motion of one state."""
-    return outcome_variables(motion.outcomes[0], motion.failed_at[0], motion.seconds)
+def _record(watches: tuple[Watch, ...], places: list[np.ndarray], last: int) -> Record:
+    """What the integrator must keep to answer these watches."""
+    whole = [place for watch, place in zip(watches, places) if watch.dofs is None]
+    some = [(watch.dofs, place) for watch, place in zip(watches, places) if watch.dofs is not None]
+    start, every = last + 1, 1
+    if whole:
+        wanted = np.unique(np.concatenate(whole))
+        start, every = int(wanted[0]), max(int(np.gcd.reduce(np.diff(wanted))), 1)
+    if not some:
+        return Record(every=every, start=start)
+    probes = np.unique(np.concatenate([dofs for dofs, _ in some]))
+    probe_start = min(int(place[0]) for _, place in some)
+    return Record(every=every, start=start, probes=probes, probe_start=probe_start)

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import DataError
-from vibrom.models.rom import Structure, Trajectory
+from vibrom.models.training import Structure, Trajectory
 
 FIRST = np.array([-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60])
 SECOND = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90])
@@ -64,3 +64,9 @@ def structure(dataset: xr.Dataset) -> Structure:
         dataset["mode_shape"].values,
         dataset["frequency"].values,
     )
+
+
+def damped_frequency(known: xr.Dataset) -> float:
+    """omega_1 sqrt(1 - zeta_1^2) [rad/s] of a scene's structure."""
+    first = known.isel(mode=0)
+    return float(first["frequency"]) * np.sqrt(1.0 - float(first["damping_ratio"]) ** 2)

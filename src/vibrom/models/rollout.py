@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.models.rom import MethodError, Rom
+from vibrom.models.rom import Rom
+from vibrom.models.training import MethodError
 
 LIMIT = 10.0  # times the training range: beyond it a run has diverged
 # times the training range: beyond it a run has left the range; the margin covers the training

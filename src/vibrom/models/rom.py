@@ -16,16 +16,14 @@ from __future__ import annotations
 import dataclasses
 import importlib
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import DataError
+from vibrom.models.training import MethodError, Training, Unsupported
 
 if TYPE_CHECKING:
     from vibrom.solvers.reduced.field import Field
@@ -109,7 +107,7 @@ class Rom(ABC):
         """This model with these guards; `training` is what it was learnt from."""
         if guards == Guards():
             return self
-        raise MethodError(
+        raise Unsupported(
             f"{type(self).__name__} has no guards; set extrapolation: none and dissipative: 0"
         )
 
@@ -143,148 +141,3 @@ def rom_from_dataset(dataset: xr.Dataset) -> Rom:
             value = dataset.attrs[f"rom_{item.name}"]
             values[item.name] = value.item() if isinstance(value, np.generic) else value
     return cls(**values)
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """One decaying motion: time (m,) [s]; displacement, velocity, acceleration (m, n) [m, m/s,
-    m/s^2].
-    """
-
-    time: np.ndarray
-    displacement: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-
-    @property
-    def state(self) -> np.ndarray:
-        """X (m, 2n)."""
-        return np.concatenate([self.displacement, self.velocity], axis=-1)
-
-    @property
-    def rate(self) -> np.ndarray:
-        """dx/dt (m, 2n)."""
-        return np.concatenate([self.velocity, self.acceleration], axis=-1)
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What the scene knows: M [kg], C [kg/s], K [N/m]; mass-normalised modes (k, n) and their
-    frequencies (k,) [rad/s].
-    """
-
-    mass: csr_matrix
-    damping: csr_matrix
-    stiffness: csr_matrix
-    modes: np.ndarray
-    frequencies: np.ndarray
-
-    def leading(self, count: int, setting: str = "modes") -> np.ndarray:
-        """The first `count` modes (count, n); a MethodError names the setting that asks for more
-        than there are.
-        """
-        if not 1 <= count <= len(self.modes):
-            raise MethodError(
-                f"{setting} = {count}: the structure holds {len(self.modes)} modes; choose 1 to {len(self.modes)}"
-            )
-        return self.modes[:count]
-
-
-class Monitor:
-    """What a fit tells while it runs; this one listens to nothing. Steps give one that shows
-    progress and keeps checkpoints.
-    """
-
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Marks the time spent on the `mapping` or on the `dynamics`."""
-        yield
-
-    def epoch(self, epoch: int, epochs: int, losses: dict[str, float]) -> None:
-        """One row of the loss history."""
-
-    def restore(self) -> dict[str, Any] | None:
-        """The last state given to `checkpoint`, if a fit was interrupted."""
-        return None
-
-    def checkpoint(self, state: dict[str, Any]) -> None:
-        """Keep `state` (arrays, numbers, strings) in case the fit is interrupted."""
-
-
-@dataclass(frozen=True)
-class Training:
-    """All that a method may learn from. `structure` is None for data without operators."""
-
-    trajectories: tuple[Trajectory, ...]
-    test: tuple[Trajectory, ...] = ()
-    structure: Structure | None = None
-    seed: int | None = None
-    device: str = "cpu"
-    start: Rom | None = None
-    monitor: Monitor = field(default_factory=Monitor)
-
-    def joined(self, what: str) -> np.ndarray:
-        """`displacement`, `velocity`, `acceleration`, `state` or `rate` of all trajectories, one
-        after the other.
-        """
-        return np.concatenate([getattr(item, what) for item in self.trajectories])
-
-    def require_structure(self, method: str) -> Structure:
-        if self.structure is None:
-            raise MethodError(
-                f"{method} needs mass, damping, stiffness and modes, and this training set has none; use a method that does not"
-            )
-        return self.structure
-
-
-class MethodError(ValueError):
-    """A method that cannot be fitted to what it was given; the message names the cure."""
-
-
-class TrainingDiverged(RuntimeError):
-    """The loss became non-finite; says at which epoch."""
-
-
-@dataclass(frozen=True)
-class Method(ABC):
-    """How to learn a Rom. The fields are the settings of its config block; those of `Guards` are
-    every method's.
-    """
-
-    extrapolation: str = field(default="none", kw_only=True)
-    dissipative: int = field(default=0, kw_only=True)
-
-    @abstractmethod
-    def fit(self, training: Training) -> Rom: ...
-
-    def learn(self, training: Training) -> Rom:
-        """`fit`, then the guards."""
-        guards, fitted = Guards(self.extrapolation, self.dissipative), self.fit(training)
-        with training.monitor.phase("dynamics"):
-            return fitted.guarded(guards, training)
-
-    def skip(self, scene: dict[str, Any]) -> str | None:
-        """Why this method is not asked in a scene with these `body` and `effects` blocks, or None."""
-        return None
-
-
-def method_from_settings(name: str, settings: dict[str, Any]) -> Method:
-    """The one Method of `vibrom.methods.<name>`, with these settings."""
-    module = importlib.import_module(f"vibrom.methods.{name}")
-    found = [
-        item
-        for item in vars(module).values()
-        if isinstance(item, type)
-        and issubclass(item, Method)
-        and item.__module__ == module.__name__
-    ]
-    if len(found) != 1:
-        raise MethodError(
-            f"methods/{name}.py defines {len(found)} methods; define exactly one subclass of Method"
-        )
-    known = {item.name for item in dataclasses.fields(found[0])}
-    if unknown := sorted(set(settings) - known):
-        raise MethodError(
-            f"methods.{name}.{unknown[0]} = {settings[unknown[0]]!r} is unknown; known settings: {', '.join(sorted(known))}"
-        )
-    return found[0](**settings)

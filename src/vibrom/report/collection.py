@@ -1,4 +1,4 @@
-"""The datasets of a run by scene, model, seed and name, opened when a table or figure asks for them.
+"""The datasets of a run by scene, model, seed and name, each opened when it is needed.
 
 Whose an artefact is, it says itself: its path means nothing here.
 """
@@ -14,7 +14,8 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import UNSEEDED, DataError, open_dataset
+from vibrom.artefacts.data import UNSEEDED, open_dataset
+from vibrom.artefacts.files import DataError
 from vibrom.artefacts.outcome import Outcome
 
 FULL_ORDER = "full_order"
@@ -121,7 +122,7 @@ def described(dataset: xr.Dataset | None, block: str) -> dict:
 
 def answered(dataset: xr.Dataset | None) -> bool:
     """Are there values? A model that could not be fitted leaves an outcome and nothing else."""
-    return dataset is not None and "nothing" not in dataset.dims
+    return dataset is not None and bool(dataset.attrs.get("answered", True))
 
 
 def probe_name(dataset: xr.Dataset) -> str:

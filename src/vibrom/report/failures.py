@@ -83,7 +83,7 @@ def ablation(collection: Collection) -> Iterable[Failure]:
 
 
 def predictions(collection: Collection, scores: Scores) -> Iterable[Failure]:
-    """One row for all seeds and experiments of a model that ended in the same way at the same time."""
+    """One row for all seeds and experiments of a model that ended alike at the same time."""
     found: dict[tuple, Failure] = {}
     groups: dict[tuple, dict[int | None, list[float]]] = {}
     for score in scores.rows:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import NamedTuple
 
-from vibrom.config import plugs
+from vibrom.config import plugs, source
 
 FORMATS = {"tables": ("csv", "tex", "html"), "figures": ("svg", "pdf", "png")}
 MODELS = "models"
@@ -113,9 +113,8 @@ def caption(kind: str, name: str) -> Caption:
         return Caption(f"Scores of the experiment {name}", (*about, SCORES))
     title, *paragraphs = _docstring(f"report/{kind}", name) or [""]
     if not title or not paragraphs:
-        raise ValueError(
-            f"report/{kind}/{name}.py: no caption; its docstring needs a title, an empty line and text"
-        )
+        cure = "its docstring needs a title, an empty line and text"
+        raise ValueError(f"report/{kind}/{name}.py: no caption; {cure}")
     return Caption(title.removesuffix("."), tuple(paragraphs))
 
 
@@ -126,6 +125,6 @@ def captions(names: Mapping[str, Iterable[str]]) -> dict[str, Caption]:
 
 def _docstring(folder: str, name: str) -> list[str]:
     """The paragraphs of a module's docstring, each on one line."""
-    path = plugs.PACKAGE / folder / f"{name}.py"
+    path = source.PACKAGE / folder / f"{name}.py"
     text = ast.get_docstring(ast.parse(path.read_bytes())) or ""
     return [" ".join(block.split()) for block in text.split("\n\n") if block.strip()]

@@ -1,4 +1,4 @@
-"""A table as it is written: the rows of the .csv, and the same folded for reading, as HTML and LaTeX."""
+"""A table as it is written: the rows of the .csv, and the same for reading, as HTML and LaTeX."""
 
 from __future__ import annotations
 

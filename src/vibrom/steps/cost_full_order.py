@@ -89,9 +89,9 @@ def run(
     model = build(scene, structure)
     start = open_dataset(release, "release")["displacement"].sel(role="test").values
     questions = {
-        "decay": Question(start, scene["decay"]["periods"]),
+        "decay": Question(start, scene["record"]["periods"]),
         "forced": Question(
-            np.zeros_like(start), settings["forced_periods"], float(scene["forced"]["forcing"])
+            np.zeros_like(start), settings["forced_periods"], float(scene["experiments"]["forced"]["forcing"])
         ),
     }
     for question in questions.values():  # compiles and warms up
@@ -114,7 +114,7 @@ def run(
             method="full_order",
             settings=settings,
             hardware=description(),
-            decay_periods=scene["decay"]["periods"],
+            decay_periods=scene["record"]["periods"],
         ),
         cost,
         provenance,
@@ -317,7 +317,7 @@ def solved(
     steps = settings["mesh_periods"] * model.steps_per_period
     record, forcing = (
         Record(start=steps - model.steps_per_period),
-        float(scene["forced"]["forcing"]),
+        float(scene["experiments"]["forced"]["forcing"]),
     )
     model.forced(np.array([forcing]), np.array([model.frequency]), 2, Record(), model.name)
 

@@ -28,19 +28,12 @@ from vibrom import experiments
 from vibrom.artefacts.data import FINISHED, UNSEEDED, label, open_dataset, save_dataset, variable
 from vibrom.artefacts.hardware import description
 from vibrom.artefacts.progress import bar
+from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import Integrator
-from vibrom.models.rom import (
-    MethodError,
-    Monitor,
-    Rom,
-    Training,
-    TrainingDiverged,
-    Trajectory,
-    method_from_settings,
-    rom_from_dataset,
-)
+from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged, Trajectory
 from vibrom.steps.experiment import KINDS, REFERENCE_FAILED, shortened
 from vibrom.studies.work_precision import repeated
 
@@ -266,25 +259,17 @@ class Study:
             rom = method.learn(
                 Training(
                     (motion,),
-                    (trajectory(self.artefacts["test"]),),
-                    self.structure,
-                    self.seed,
-                    self.device,
-                    start and start.rom,
-                    clocks[-1],
+                    structure=self.structure,
+                    seed=self.seed,
+                    device=self.device,
+                    start=start and start.rom,
+                    monitor=clocks[-1],
                 )
             )
             return rom, sum(clocks[-1].seconds.values())
 
         try:
             method = method_from_settings(kind, settings)
-            if skipped := method.skip(
-                {
-                    block: json.loads(self.artefacts["structure"].attrs[block])
-                    for block in ("body", "effects")
-                }
-            ):
-                raise MethodError(skipped)
             if kind not in self.warm:  # libraries load at their first use
                 call(
                     method_from_settings(

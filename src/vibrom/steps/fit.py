@@ -4,7 +4,6 @@ interrupted.
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import time
@@ -17,16 +16,11 @@ import xarray as xr
 
 from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
 from vibrom.artefacts.progress import bar
+from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
-from vibrom.models.rom import (
-    MethodError,
-    Monitor,
-    Training,
-    TrainingDiverged,
-    method_from_settings,
-    rom_from_dataset,
-)
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged
 
 
 class FileMonitor(Monitor):
@@ -90,7 +84,6 @@ def run(
     *,
     structure: str,
     train: str,
-    test: str,
     rom: str,
     losses: str,
     scene_name: str,
@@ -109,11 +102,9 @@ def run(
     )
     begun = open_dataset(start, "rom") if start else None
     outcome, reason, fitted = "ok", "", xr.Dataset()
-    motions = {
-        role: open_dataset(path, "trajectory") for role, path in (("train", train), ("test", test))
-    }
-    failed = float(motions["train"]["failed_at"])
-    if str(motions["train"]["outcome"].item()) != "ok":
+    motion = open_dataset(train, "trajectory")
+    failed = float(motion["failed_at"])
+    if str(motion["outcome"].item()) != "ok":
         outcome, reason = (
             "reference_failed",
             f"the full-order training run stopped at {failed:.4g} s without convergence; raise time.steps_per_period",
@@ -128,27 +119,20 @@ def run(
             chosen = method_from_settings(kind or method, settings)
         except MethodError as error:
             raise MethodError(f"config/methods/{method}.yaml: settings: {error}") from error
-        skipped = chosen.skip(
-            {block: json.loads(known.attrs[block]) for block in ("body", "effects")}
-        )
         training = Training(
-            (trajectory(motions["train"]),),
-            (trajectory(motions["test"]),),
+            (trajectory(motion),),
             operators(known),
             seed,
             device,
             None if begun is None else rom_from_dataset(begun),
             monitor,
         )
-        if skipped:
-            outcome, reason = "skipped", skipped
-        else:
-            try:
-                fitted = chosen.learn(training).to_dataset()
-            except TrainingDiverged as diverged:
-                outcome, reason = "training_diverged", str(diverged)
-            finally:
-                monitor.close()
+        try:
+            fitted = chosen.learn(training).to_dataset()
+        except TrainingDiverged as diverged:
+            outcome, reason = "training_diverged", str(diverged)
+        finally:
+            monitor.close()
     # A model that starts from another one has needed that one's mapping too.
     before = 0.0 if begun is None else float(begun["mapping_seconds"])
     fitted = fitted.assign(

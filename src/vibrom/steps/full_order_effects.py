@@ -66,7 +66,7 @@ def run(
             replace(model, term=term),
             model.rest,
             start,
-            scene["forced"]["forcing"],
+            scene["experiments"]["forced"]["forcing"],
             lengths,
             left_out,
         )

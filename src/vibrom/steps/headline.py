@@ -4,11 +4,11 @@ from pathlib import Path
 
 from rich.console import Console
 
+from vibrom.artefacts.files import write
 from vibrom.report import headline as numbers
 from vibrom.report import tables
 from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
-from vibrom.steps._files import write
 
 
 def run(*, artefacts: list[str], report: str, store: str, headline: str, provenance: dict) -> None:

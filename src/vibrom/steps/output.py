@@ -3,9 +3,9 @@
 from importlib import import_module
 from pathlib import Path
 
+from vibrom.artefacts.files import write
 from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
-from vibrom.steps._files import write
 
 
 def run(*, kind: str, artefacts: list[str], outputs: list[str], provenance: dict) -> None:

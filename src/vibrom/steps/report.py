@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
+from vibrom.artefacts.files import write
 from vibrom.report import failures, headline, page, tables
 from vibrom.report.collection import Collection
 from vibrom.report.outputs import Caption
 from vibrom.report.scores import Scores
-from vibrom.steps._files import write
 
 
 def run(

@@ -4,9 +4,9 @@ metric, value, unit, seconds, outcome.
 
 import pandas as pd
 
+from vibrom.artefacts.files import write
 from vibrom.report.collection import Collection
 from vibrom.report.scores import Score, Scores
-from vibrom.steps._files import write
 
 
 def run(*, predictions: list[str], scores: str, provenance: dict) -> None:

@@ -17,7 +17,8 @@ from vibrom.models.full_order import build
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import Integrator
-from vibrom.models.rom import Guards, MethodError, Training, rom_from_dataset
+from vibrom.models.rom import Guards, rom_from_dataset
+from vibrom.models.training import MethodError, Training
 from vibrom.studies import grid
 
 PERIODS = (
@@ -68,7 +69,7 @@ def run(
     unfit = str(fitted["outcome"].item())
     model = build(scene, structure) if unfit == "ok" else None
     forcing, load, first = (
-        float(scene["frc"]["forcing"]),
+        float(scene["experiments"]["frc"]["forcing"]),
         known["load"].values,
         next(iter(integrators)),
     )

@@ -26,11 +26,9 @@ def run(
     """A run for each fitted model, one for each full-order model, and a summary with the files."""
     collection = Collection.at(artefacts)
     scored = Scores.of(collection)
-    runs = [
-        _model(collection, scored, *key[:3]) for key in collection.loaders if key.name == "rom"
-    ]
+    runs = [_model(collection, scored, *key[:3]) for key in collection.loaders if key.name == "rom"]
     for scene in collection.scenes:
-        mine = [row for row in scored.rows if (row.scene, row.method) == (scene, FULL_ORDER)]
+        mine = [row for row in scored.rows if row[:2] == (scene, FULL_ORDER)]
         if mine:
             params = {"scene": scene, "method": FULL_ORDER}
             name = f"{scene} {FULL_ORDER}"
@@ -44,9 +42,9 @@ def run(
 def _model(
     collection: Collection, scores: Scores, scene: str, method: str, seed: int | None
 ) -> TrackedRun:
-    """One fitted model: its settings, scores, outcomes, loss curves, and where its artefacts are."""
+    """One fitted model: settings, scores, outcomes, loss curves, and where its artefacts are."""
     rom, losses = (collection.find(scene, method, name, seed) for name in ("rom", "losses"))
-    mine = [row for row in scores.rows if (row.scene, row.method, row.seed) == (scene, method, seed)]
+    mine = [row for row in scores.rows if row[:3] == (scene, method, seed)]
     params = {
         "scene": scene,
         "method": method,

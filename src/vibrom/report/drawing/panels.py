@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.report.collection import Collection, answered, outcome, scalar
+from vibrom.report.collection import Collection, outcome, scalar
 from vibrom.report.scores import Scores
 from vibrom.thesis.labels import label
 
@@ -54,7 +54,7 @@ def words(axes, text: str, *, place: str = "centre") -> None:
 
 
 def ending(dataset: xr.Dataset | None, experiment: str) -> str:
-    """How a prediction ended if it did not end well: `diverged at 0.126 s`; empty when all is well."""
+    """How a prediction ended, as `diverged at 0.126 s`; empty where it ended as asked."""
     if dataset is None:
         return f"no {experiment} in this run"
     ended, failed_at = outcome(dataset), float(scalar(dataset, "failed_at"))
@@ -78,11 +78,7 @@ def drawn(
     if not seeds:
         return None, None
     seed = scores.median_seed(scene, method, seeds)
-    dataset = collection.find(scene, method, name, seed)
-    if dataset is not None and not answered(dataset):
-        fit = collection.find(scene, method, "rom", seed)
-        dataset = dataset.assign_attrs(reason=scalar(fit, "reason", ""))
-    return seed, dataset
+    return seed, collection.find(scene, method, name, seed)
 
 
 def title(method: str, seed: int | None, error: float = np.nan) -> str:

@@ -12,6 +12,8 @@ from vibrom.report.drawing import body
 
 
 class State(NamedTuple):
+    """One of them."""
+
     structure: xr.Dataset
     displacement: np.ndarray  # (dof,) [m]
     used: list[str]  # "small test", ...

@@ -1,5 +1,5 @@
-"""One file a figure, each with `draw(collection, scores, scene) -> Figure`; scene None: of the whole
-run. What else stands in such a file says `vibrom.report.outputs`.
+"""One file a figure, each with `draw(collection, scores, scene) -> Figure`; scene None stands for
+the whole run. `vibrom.report.outputs` says what else is in such a file.
 """
 
 from importlib import import_module

@@ -1,8 +1,8 @@
 """Ablation: motion without each effect
 
 The decay and the last period of the forced run at the probe, of the whole scene (wide, pale) and
-without one effect (thin, dashed), with the NMTE between both decays in the title; on the right the
-median wall time of a step without each effect, that of the whole scene on top. Effects that
+without one effect (thin, dashed), with the NMTE between both decays in the title; on the right
+the median wall time of a step without each effect, that of the whole scene on top. Effects that
 cannot be left out alone are named there with those that need them.
 """
 

@@ -3,7 +3,8 @@
 NMTE of the test decay against the seconds spent before the first prediction (training data,
 mapping, dynamics; top) and the seconds one decay takes (bottom). One marker a method: median over
 seeds, the line spans the seeds that have a value. Down and to the left is better. The dashed line
-is the full-order model. Methods whose median seed failed have no marker and are named in the panel.
+is the full-order model. Methods whose median seed failed have no marker and are named in the
+panel.
 """
 
 import numpy as np

@@ -50,9 +50,7 @@ def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
     """Frequency [rad/s] and amplitude [m] at the probe, without the padding."""
     if not answered(backbone):
         return np.array([]), np.array([])
-    frequency, amplitude = (
-        at_probe(backbone, name) for name in ("angular_frequency", "amplitude")
-    )
+    frequency, amplitude = (at_probe(backbone, name) for name in ("angular_frequency", "amplitude"))
     kept = np.isfinite(frequency) & np.isfinite(amplitude)
     return frequency[kept], amplitude[kept]
 

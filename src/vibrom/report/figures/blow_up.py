@@ -17,7 +17,6 @@ PLACE = 510
 EACH = "run"
 
 
-
 def first_failure(collection):
     """Scene, method, seed and forced run of the first model that ran away (in the thesis: modal
     projection).

@@ -1,9 +1,10 @@
 """Work and precision of the full order
 
-Error over wall time for time steps of T/N and residuals (top), and for meshes (bottom). The legend has
-the observed orders: two without numerical damping, one with it, because the damping of a step is
-proportional to alpha h, and one again where the first acceleration is zero. Bilinear elements lock in
-shear when the body bends: the scene's own mesh is bold. Dotted: the estimated error of the reference.
+Error over wall time for time steps of T/N and residuals (top), and for meshes (bottom). The
+legend has the observed orders: two without numerical damping, one with it, because the damping of
+a step is proportional to alpha h, and one again where the first acceleration is zero. Bilinear
+elements lock in shear when the body bends: the scene's own mesh is bold. Dotted: the estimated
+error of the reference.
 """
 
 import numpy as np
@@ -62,9 +63,7 @@ def mark_reference(panel, error: float) -> None:
     """Below its own error the reference says nothing."""
     panel.axhline(error, color="0.6", linewidth=0.8, linestyle=":")
     where = {"xycoords": ("axes fraction", "data"), "ha": "left", "va": "bottom"}
-    panel.annotate(
-        "error of the reference itself", (0.02, error), fontsize=6, color="0.4", **where
-    )
+    panel.annotate("error of the reference itself", (0.02, error), fontsize=6, color="0.4", **where)
 
 
 def time_steps(panel, part: xr.Dataset, question: str) -> None:
@@ -106,7 +105,9 @@ def order(chosen: xr.Dataset) -> str:
         for number, word in zip(steps, chosen["outcome"].values)
         if Outcome(word) is Outcome.NO_CONVERGENCE
     ]
-    return f"order {observed:.2f}" + (f"; no convergence at {', '.join(stopped)}" if stopped else "")
+    return f"order {observed:.2f}" + (
+        f"; no convergence at {', '.join(stopped)}" if stopped else ""
+    )
 
 
 def residuals(panel, part: xr.Dataset) -> None:

@@ -1,8 +1,9 @@
 """Accuracy of the methods against what it costs
 
 Every setting that was studied (small markers), models as configured (large markers, median over
-seeds), and the Pareto front of all. Top: error over seconds offline, training data included; bottom:
-over seconds of one answer, beside those of the full order (dashed). Down and to the left is better.
+seeds), and the Pareto front of all. Top: error over seconds offline, training data included;
+bottom: over seconds of one answer, beside those of the full order (dashed). Down and to the left
+is better.
 """
 
 import numpy as np

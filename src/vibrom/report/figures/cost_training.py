@@ -1,8 +1,8 @@
 """Error as training proceeds
 
 Each small marker is a model of its own, trained for a given number of epochs with the whole
-learning-rate schedule, and placed at the seconds that it took; polynomial fits stand beside them, by
-order p. Large markers are the models as configured. A gap is a model that failed.
+learning-rate schedule, and placed at the seconds that it took; polynomial fits stand beside them,
+by order p. Large markers are the models as configured. A gap is a model that failed.
 """
 
 import numpy as np

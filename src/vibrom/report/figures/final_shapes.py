@@ -2,8 +2,8 @@
 
 The shape of the beam at the largest probe displacement of the last forced period: full order
 filled, reduced model as an outline. Displacements that are too small to see are magnified by the
-factor in the heading. One seed is drawn, named in the title: the median one by decay NMTE. A model
-that failed says so.
+factor in the heading. One seed is drawn, named in the title: the median one by decay NMTE. A
+model that failed says so.
 """
 
 import numpy as np
@@ -100,6 +100,7 @@ class Block:
 
     @property
     def panel_height(self) -> float:
+        """[inches], by the aspect of the limits."""
         (left, right), (bottom, top) = self.limits
         return min(3.5, (WIDTH - 0.55) * (top - bottom) / (right - left) + 0.62)
 

@@ -1,9 +1,9 @@
 """Figure 3.9: the forced response
 
 Displacement of the probe in a run forced from rest at the damped first frequency: on the left the
-smallest and largest value of each period, on the right the last period itself. Full order wide and
-pale, reduced model thin and dashed, NMTE of the last period in the title. One seed is drawn, named
-in the title: the median one by decay NMTE. The thesis shows the case large.
+smallest and largest value of each period, on the right the last period itself. Full order wide
+and pale, reduced model thin and dashed, NMTE of the last period in the title. One seed is drawn,
+named in the title: the median one by decay NMTE. The thesis shows the case large.
 """
 
 import math

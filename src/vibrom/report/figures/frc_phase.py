@@ -1,8 +1,9 @@
 """Figure 3.13: forced response curves, phase
 
-Phase of the probe's first harmonic in the last period relative to the forcing, against the forcing
-frequency. One seed of each method is drawn: the median one by decay NMTE. Points without a value
-are missing from the curve, and the panel counts what is left and says how the others ended.
+Phase of the probe's first harmonic in the last period relative to the forcing, against the
+forcing frequency. One seed of each method is drawn: the median one by decay NMTE. Points without
+a value are missing from the curve, and the panel counts what is left and says how the others
+ended.
 """
 
 import numpy as np

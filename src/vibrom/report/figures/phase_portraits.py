@@ -1,9 +1,9 @@
 """Figure 3.4: the decay in reduced coordinates
 
 Wide and pale: the test trajectory mapped into the reduced coordinates of each model. Thin and
-dashed: what the model makes of it from the same start. The axes are chosen by the true trajectory.
-One seed is drawn, named in the title: the median one by decay NMTE. The thesis shows the case
-large.
+dashed: what the model makes of it from the same start. The axes are chosen by the true
+trajectory. One seed is drawn, named in the title: the median one by decay NMTE. The thesis shows
+the case large.
 """
 
 import numpy as np
@@ -36,6 +36,7 @@ def draw(collection, scores, scene) -> Figure:
 
 
 def portrait(panel, decay) -> None:
+    """The encoded truth wide and pale, the model's own path thin and dashed."""
     size = decay.sizes["coordinate"]
     pair = [0, size // 2] if size > 1 else [0, 0]
     true, predicted = (

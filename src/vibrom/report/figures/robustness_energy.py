@@ -1,8 +1,8 @@
 """Energy of decays from random states
 
-Mechanical energy of the decoded motion over that at rest, mean over each period, of runs released up
-to the given distance beyond the training range. The structure's damping is positive: the energy of
-a model that has learnt it falls. A line a release and guard, of the median seed.
+Mechanical energy of the decoded motion over that at rest, mean over each period, of runs released
+up to the given distance beyond the training range. The structure's damping is positive: the
+energy of a model that has learnt it falls. A line a release and guard, of the median seed.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Where models fail, by forcing and frequency
 
-Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the scene's)
-and frequency (times the damped first frequency) of that place. A dot: most seeds left their training
-range and went all the way. A row a method, a column a guard; first integrator.
+Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the
+scene's) and frequency (times the damped first frequency) of that place. A dot: most seeds left
+their training range and went all the way. A row a method, a column a guard; first integrator.
 """
 
 import numpy as np
@@ -26,7 +26,8 @@ def draw(collection, scores, scene) -> Figure:
         group for group in robustness.groups(collection) if group.scene == scene and group.first
     ]
     guards, methods = (
-        list(dict.fromkeys(getattr(group, name) for group in groups)) for name in ("guard", "method")
+        list(dict.fromkeys(getattr(group, name) for group in groups))
+        for name in ("guard", "method")
     )
     figure, axes = panels.grid(
         max(1, len(groups)),

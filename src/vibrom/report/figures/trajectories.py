@@ -1,7 +1,7 @@
 """Figure 3.2: training and test decays
 
-Displacement of the probe during the free decays of the full-order model: the methods learn from the
-training decay and are tested on the other, which starts from a smaller state.
+Displacement of the probe during the free decays of the full-order model: the methods learn from
+the training decay and are tested on the other, which starts from a smaller state.
 """
 
 import numpy as np

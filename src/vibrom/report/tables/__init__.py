@@ -1,5 +1,5 @@
-"""One file a table, each with COLUMNS and `build(collection, scores) -> rows`; what else stands in
-such a file says `vibrom.report.outputs`.
+"""One file a table, each with COLUMNS and `build(collection, scores) -> rows`.
+`vibrom.report.outputs` says what else is in such a file.
 
 A table is printed as its columns say. One that is printed otherwise has
 `shown(rows, columns) -> Printed`.

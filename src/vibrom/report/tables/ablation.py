@@ -1,23 +1,24 @@
 """Ablation: the effect of removing each term
 
 Each effect of a scene is left out in turn, and the full-order model is evaluated again; in
-parentheses stands the change. First frequency: undamped, about the rest state. Decay: a few periods
-from the test release, released from the same place in space; the NMTE is that of the motion without
-the effect against the motion with it, the frequency is the mean from the first to the last passage
-through rest, the amplitude the largest in the last period. Forced: largest displacement of the
-probe in the last of a number of periods from rest, at the forcing and the damped first frequency of
-the whole scene; that is not yet the steady state. Time steps are those of the whole scene.
+parentheses stands the change. First frequency: undamped, about the rest state. Decay: a few
+periods from the test release, released from the same place in space; the NMTE is that of the
+motion without the effect against the motion with it, the frequency is the mean from the first to
+the last passage through rest, the amplitude the largest in the last period. Forced: largest
+displacement of the probe in the last of a number of periods from rest, at the forcing and the
+damped first frequency of the whole scene; that is not yet the steady state. Time steps are those
+of the whole scene.
 
 Seconds a step are medians over many short decays in alternating order, loading and compilation
-excluded: of the whole scene, without the effect, and the median of their ratios in each round; the
-ratio of an effect that plays no part in a decay, such as a load, shows the scatter of these
+excluded: of the whole scene, without the effect, and the median of their ratios in each round;
+the ratio of an effect that plays no part in a decay, such as a load, shows the scatter of these
 measurements. Where the motion itself changes, so does the number of Newton iterations; without
 state-dependent forces a step is one solve with a factor that is made once.
 
 An effect that others need cannot be left out alone (needed; the table names them). Without a load
 there is no forced response (unforced). Without mass on every displacement there is nothing to
-integrate, and the forced amplitude is the static one (static). A body that loses its stiffness has
-no_modes, one that collapses under its dead load no_equilibrium.
+integrate, and the forced amplitude is the static one (static). A body that loses its stiffness
+has no_modes, one that collapses under its dead load no_equilibrium.
 """
 
 from functools import partial

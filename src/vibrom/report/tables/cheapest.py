@@ -1,9 +1,9 @@
 """The cheapest setting for an error
 
-For each model and question the setting that has the wanted error for the least seconds: of one run of
-the full order, the estimated error of the reference added to its own; of a method those of training
-data, training and one answer. Models as configured count with the median over seeds, a failed seed as
-infinitely wrong.
+For each model and question the setting that has the wanted error for the least seconds: of one
+run of the full order, the estimated error of the reference added to its own; of a method those of
+training data, training and one answer. Models as configured count with the median over seeds, a
+failed seed as infinitely wrong.
 """
 
 import numpy as np

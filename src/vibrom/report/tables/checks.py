@@ -3,8 +3,8 @@
 Our number beside the bound that it has to meet. First frequency, release states and largest tip
 displacement under forcing are compared with a reference reproduction of the thesis's beam, errors
 and eigenvalues with the tables of the thesis; errors are medians over seeds, and a failed seed
-counts as infinitely wrong. A missing number is not met. A case with another body or other
-effects than the thesis's is not compared with it, nor an answer that depends on another release or
+counts as infinitely wrong. A missing number is not met. A case with another body or other effects
+than the thesis's is not compared with it, nor an answer that depends on another release or
 another forcing.
 
 Of the folding case, SPLIT+ and the decoupled autoencoder must follow the response curve all the

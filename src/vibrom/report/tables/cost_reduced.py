@@ -3,12 +3,12 @@
 One row a setting and seed: every model of the run as configured, then one setting after the other
 varied. ``thin`` trains on every k-th sample, ``periods`` on the first k periods of the training
 decay, ``start.epochs`` trains the model that a method starts from for k epochs, ``rtol`` is the
-tolerance of the integrator. Errors are NMTEs of the test decay and of the last period of the forced
-run, and the median amplitude error of the response curve; where there is none the cell says how the
-answer ended. Varied settings are trained from one seed.
+tolerance of the integrator. Errors are NMTEs of the test decay and of the last period of the
+forced run, and the median amplitude error of the response curve; where there is none the cell
+says how the answer ended. Varied settings are trained from one seed.
 
-Times are medians of repeated calls, without loading and compilation; what takes long is not repeated.
-Those of models as configured are those of their own training job.
+Times are medians of repeated calls, without loading and compilation; what takes long is not
+repeated. Those of models as configured are those of their own training job.
 """
 
 from functools import partial

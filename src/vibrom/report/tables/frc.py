@@ -2,13 +2,13 @@
 
 How many points of each curve have a value, the peak of the probe and where it lies (medians over
 the seeds whose curve is whole), and the amplitude error against the full order, median over
-frequencies and then over seeds; a failed point counts as infinitely wrong, and a point at which the
-full order itself failed is left out. Amplitudes are those of the thesis: the largest value of y,
-with its sign, in the last period.
+frequencies and then over seeds; a failed point counts as infinitely wrong, and a point at which
+the full order itself failed is left out. Amplitudes are those of the thesis: the largest value of
+y, with its sign, in the last period.
 
-The .csv of this table has every point: amplitude of probe and tip, phase, outcome, time of failure,
-and, where the artefact has it, half the distance from the smallest to the largest value of the
-probe (``probe_half_range_m``), which is the amplitude of a motion that is not about y = 0.
+The .csv of this table has every point: amplitude of probe and tip, phase, outcome, time of
+failure, and, where the artefact has it, half the distance from the smallest to the largest value
+of the probe (``probe_half_range_m``), which is the amplitude of a motion that is not about y = 0.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """The full order at coarse steps and with numerical damping
 
-The full-order response curve at some of its frequencies with few steps a period and with
-gamma = 1/2 + alpha. Errors are against the scene's own curve, at the scene's own forcing. Where a
-run has no value Newton's iteration did not converge.
+The full-order response curve at some of its frequencies with few steps a period and with gamma =
+1/2 + alpha. Errors are against the scene's own curve, at the scene's own forcing. Where a run has
+no value Newton's iteration did not converge.
 """
 
 import numpy as np

@@ -1,12 +1,12 @@
 """Guards: what they rescue and what they cost
 
-The scene's own response curve, decay and forced run, with each guard of the same fitted model, and
-with each integrator and no guard. Guards change the dynamics, and beyond the training range also
-the decoder of polynomial models, which is extrapolated linearly there. A failed point of the curve
-counts as infinitely wrong, and a curve with gaps has no peak; medians are over seeds. For the decays
-from random states the table counts in how many the mechanical energy of the decoded motion, or the
-largest reduced position, grew from one period to the next: the damping is positive, so neither
-should.
+The scene's own response curve, decay and forced run, with each guard of the same fitted model,
+and with each integrator and no guard. Guards change the dynamics, and beyond the training range
+also the decoder of polynomial models, which is extrapolated linearly there. A failed point of the
+curve counts as infinitely wrong, and a curve with gaps has no peak; medians are over seeds. For
+the decays from random states the table counts in how many the mechanical energy of the decoded
+motion, or the largest reduced position, grew from one period to the next: the damping is
+positive, so neither should.
 """
 
 import numpy as np
@@ -61,7 +61,7 @@ def build(collection, scores):
 
 
 def decays(group: robustness.Group) -> dict[str, int | None]:
-    """How many decays there are, of the first integrator, and in how many of them something grew."""
+    """How many decays there are, of the first integrator, and in how many something grew."""
     answers = [answer for answer in group.answers if group.first and robustness.evaluated(answer)]
     counts: dict[str, int | None] = {"decays": sum(answer.sizes["release"] for answer in answers)}
     for name in ("energy", "envelope"):

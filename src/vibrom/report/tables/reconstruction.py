@@ -2,9 +2,9 @@
 
 NMTE of the test trajectory mapped to reduced coordinates and back: the mean over time of the
 error's norm, divided by the largest norm of the trajectory, over all free displacements. Median
-over seeds, smallest and largest in parentheses. A failed seed counts as infinitely wrong; a median
-that this makes infinite is a failure and has no number. The full-order model is the reference and
-has no error.
+over seeds, smallest and largest in parentheses. A failed seed counts as infinitely wrong; a
+median that this makes infinite is a failure and has no number. The full-order model is the
+reference and has no error.
 """
 
 from vibrom.report import errors

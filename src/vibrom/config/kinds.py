@@ -1,0 +1,48 @@
+"""The kinds of settings: what a value of the configuration may be.
+
+Every setting is declared once, as a field with one of these kinds, its default and, in the comment
+beside it, its unit and meaning. A plug (an effect, a method, ...) needs numerical packages, so the
+workflow reads its fields from the text and knows the words of this file, `Literal`, the built-in
+types, and the dataclasses of the plug's own file.
+"""
+
+from typing import Annotated, Literal, TypeVar
+
+from msgspec import Meta
+
+Item = TypeVar("Item")
+Several = Annotated[list[Item], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
+
+Positive = Annotated[float, Meta(gt=0)]
+NonNegative = Annotated[float, Meta(ge=0)]
+Fraction = Annotated[float, Meta(ge=0, le=1)]
+Ratio = Annotated[float, Meta(ge=0, lt=1)]
+Tolerance = Annotated[float, Meta(gt=0, le=0.1)]  # relative
+PoissonRatio = Annotated[float, Meta(gt=-1, lt=0.5)]
+
+Count = Annotated[int, Meta(ge=1)]
+Whole = Annotated[int, Meta(ge=0)]
+Steps = Annotated[int, Meta(ge=20)]  # time steps in one period of the first mode
+Seed = Annotated[int, Meta(ge=0, lt=2**32)]
+
+Point = tuple[float, float]  # m
+Cells = tuple[Count, Count]  # along the length, over the height
+Direction = Literal["x", "y"]
+Edge = Literal["left", "right", "bottom", "top"]
+Element = Literal["bilinear", "quadratic", "serendipity"]
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*\Z"
+DEVICE = r"^(auto|cpu|cuda(:[0-9]+)?)\Z"
+FOLDER = r"^[^{}<>*?\x00-\x1f]+\Z"
+ROM_CLASS = r"^vibrom[.][a-z0-9_.]+:[A-Za-z0-9]+\Z"
+# Pattern -> what it asks for, in words.
+FORMS = {
+    NAME: "of letters, digits, '_', '-' and '.', and begin with a letter or digit",
+    DEVICE: "auto, cpu, cuda or cuda:<number>",
+    FOLDER: "a path without { } < > * and ?",
+    ROM_CLASS: "module:name of a class of vibrom",
+}
+Name = Annotated[str, Meta(pattern=NAME, max_length=60)]  # of a scene, probe, method or guard
+Device = Annotated[str, Meta(pattern=DEVICE)]
+Folder = Annotated[str, Meta(pattern=FOLDER)]
+RomClass = Annotated[str, Meta(pattern=ROM_CLASS)]

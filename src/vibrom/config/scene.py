@@ -1,0 +1,76 @@
+"""A scene: a body, the effects that act on it, and what is recorded and asked of it.
+
+The settings of bodies, effects and experiments are declared by their own files; here they are plain
+mappings, complete and checked.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+from vibrom.config.kinds import Count, Fraction, Name, Positive, Steps
+
+Role = Literal["train", "test"]
+# Effects add up in this order, whatever the order of their keys, those of one stage by their names:
+# each says by `STAGE` what it adds, and may read the sum of what comes before.
+STAGES = ("mass", "stiffness", "forces", "dead_load", "damping", "load")
+SHAPE = "rectangle"  # of a body that does not say
+USUAL_STAGE = "forces"  # of an effect that does not say
+
+
+class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Settings that stand together under one key."""
+
+    @classmethod
+    def from_builtins(cls, plain: dict[str, Any]):
+        """From what `to_builtins` gives: the parameter of a rule."""
+        return msgspec.convert(plain, cls)
+
+    def to_builtins(self) -> dict[str, Any]:
+        """Plain mappings, lists, numbers and text; defaults are written out, None left out."""
+        plain = msgspec.to_builtins(self)
+        return {key: value for key, value in plain.items() if value is not None}
+
+
+class Release(Block):
+    """Where a decay starts: a displacement of the run forced from rest at the damped first
+    frequency.
+    """
+
+    forcing: Positive  # amplitude, as a multiple of the load
+    step: Count  # the time step at which the displacement is taken
+
+
+class Record(Block):
+    """What is recorded of a decay."""
+
+    periods: Count  # of the damped first mode
+    # of velocity and acceleration: differences of the displacements, or the integrator's own
+    derivatives: Literal["differences", "integrator"] = "differences"
+
+
+class Time(Block):
+    """The time integration of the full-order model."""
+
+    steps_per_period: Steps  # time steps in one period of the first mode
+    every: Count  # store every n-th step
+    alpha: Fraction  # numerical damping: gamma = 1/2 + alpha, beta = (1 + alpha)^2/4
+    # relative residual of a converged step; rounding in stiff bodies allows no less than about 1e-9
+    residual: Annotated[float, Meta(ge=1e-8, le=0.1)]
+    initial_acceleration: Literal["zero", "equilibrium"]
+
+
+class Scene(Block):
+    """One file of config/scenes."""
+
+    name: Name  # the file's
+    description: str
+    body: dict[str, Any]  # `shape`, a file of src/vibrom/bodies, and its settings
+    effects: dict[str, dict[str, Any]]  # settings, by effect
+    releases: Annotated[dict[Role, Release], Meta(min_length=2)]  # where the decays start
+    record: Record  # what is recorded of a decay
+    time: Time  # the time integration of the full-order model
+    experiments: dict[str, dict[str, Any]] = {}  # settings, by experiment

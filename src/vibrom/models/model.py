@@ -1,0 +1,73 @@
+"""What answers a question: a model, full or reduced.
+
+    M a + C v + K q + sum f(q, v) = p u(t) + p_0,    u(t) = amplitude sin(frequency t)
+
+An experiment puts the same question to every model, in these words: where the motion starts, what
+drives it, at which instants which displacements are wanted. Displacements are measured from the
+rest state of the scene.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The signal of the load, one entry for each of b runs."""
+
+    amplitude: np.ndarray  # (b,) of the signal u, in units of the scene's load
+    frequency: np.ndarray  # (b,) rad/s
+
+    @property
+    def period(self) -> np.ndarray:
+        """(b,) [s]."""
+        return 2.0 * np.pi / self.frequency
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Displacements that are kept, and when."""
+
+    instants: np.ndarray  # (m,) of every run, or (b, m) of each; s after the start, ascending
+    dofs: np.ndarray | None = None  # (k,) free displacements; None: all of them
+
+
+@dataclass(frozen=True)
+class Motion:
+    """b runs side by side; values after a failure are NaN."""
+
+    displacement: tuple[np.ndarray, ...]  # of each watch: (b, m, k) m
+    reduced: tuple[np.ndarray, ...] | None  # of each watch: (b, m, r), of a reduced model
+    outcome: np.ndarray  # (b,) how each run ended
+    failed_at: np.ndarray  # (b,) s, when it failed or first left the training range; NaN: never
+    range_ratio: np.ndarray  # (b,) largest reduced coordinate over the largest in the training data
+    seconds: float  # wall time of the computation, loading and compilation excluded
+
+
+class Model(Protocol):
+    """The full order and a fitted reduced model alike."""
+
+    size: int  # n, free displacements
+    probes: np.ndarray  # (k,) free displacement that each probe of the scene watches
+    frequency: float  # rad/s, damped first frequency of the scene
+    samples: int  # instants of a period at which the model is known without extra cost
+
+    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+        """From `start` (b, 2n) [m, m/s] at t = 0, driven or left alone."""
+        ...
+
+    def coordinates(self, state: np.ndarray) -> np.ndarray:
+        """The model's own coordinates (m, r) of `state` (m, 2n) [m, m/s]."""
+        ...
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of coordinates (*batch, r)."""
+        ...
+
+    def eigenvalues(self) -> np.ndarray:
+        """Eigenvalues [1/s] of small motions about the rest state."""
+        ...

@@ -1,0 +1,133 @@
+"""A model and a question -> the answer's dataset with its scores, whatever becomes of it."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from vibrom.artefacts.data import label, open_dataset, outcome_variables, save_dataset, scored
+from vibrom.artefacts.outcome import Outcome
+from vibrom.experiments import Experiment, Given, experiment
+from vibrom.models.model import Model
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.training import Unsupported
+
+KINDS = {"train": "trajectory", "test": "trajectory", "fit": "rom"}
+CALLS, ENOUGH = 3, 0.5  # an answer is timed up to three times, or until that took half a second
+
+
+def run(
+    *,
+    output: str,
+    name: str,
+    settings: dict[str, Any],
+    names: dict[str, Any],
+    samples: int,
+    structure: str,
+    provenance: dict[str, str],
+    rom: str | None = None,
+    truth: str | None = None,
+    scene: dict[str, Any] | None = None,
+    integrator: dict[str, Any] | None = None,
+    **reads: str,
+) -> None:
+    """`names` are scene, method and seed of the artefact. A fitted model is at `rom`; the full
+    order, which has none, is built from the blocks of `scene`. `reads` are the paths of what the
+    experiment reads, by name.
+    """
+    question, known = experiment(name, settings), open_dataset(structure, "structure")
+    answers = {key: open_dataset(path, KINDS.get(key, key)) for key, path in reads.items()}
+    true = open_dataset(truth, KINDS.get(kind_of(question), kind_of(question))) if truth else None
+    fitted = open_dataset(rom, "rom") if rom else None
+    given = Given(known, samples, answers)
+    outcome, reason = obstacle(question, fitted, answers, true)
+    if outcome.has_value:
+        try:
+            model = built(question, fitted, known, scene, integrator)
+            answer = evaluated(question, model, given, true, warm=fitted is not None)
+        except Unsupported as error:
+            outcome, reason = Outcome.SKIPPED, str(error)
+    if not outcome.has_value:
+        answer = unanswered(question, outcome)
+    answer = answer.assign_attrs(reason=reason, answered=int(outcome.has_value))
+    settings = {"experiment": settings, "integrator": integrator}
+    answer = label(answer, name, settings=json.dumps(settings, sort_keys=True), **names)
+    save_dataset(answer, output, provenance)
+
+
+def kind_of(question: Experiment) -> str:
+    """The kind of artefact that an answer is compared with."""
+    return str(question.truth)
+
+
+def obstacle(
+    question: Experiment,
+    fitted: xr.Dataset | None,
+    answers: dict[str, xr.Dataset],
+    truth: xr.Dataset | None,
+) -> tuple[Outcome, str]:
+    """Why the question cannot be evaluated, as an outcome and a reason; OK if nothing stands in its
+    way.
+    """
+    for source in [
+        fitted,
+        *(item for key, item in answers.items() if key not in ("train", "test")),
+    ]:
+        if source is None or source["outcome"].ndim:
+            continue
+        outcome = Outcome(str(source["outcome"].item()))
+        if not outcome.has_value and not source.attrs.get("answered", 0):
+            return outcome, str(source.attrs.get("reason", ""))
+    records = [item for key, item in answers.items() if key in ("train", "test")]
+    for reference in [*records, *([] if truth is None else [truth])]:
+        stopped = reference["outcome"].ndim == 0 and (
+            not Outcome(str(reference["outcome"].item())).has_value
+        )
+        if stopped and question.of_model:
+            return Outcome.REFERENCE_FAILED, "the full-order run to compare with stopped early"
+    return Outcome.OK, ""
+
+
+def built(
+    question: Experiment,
+    fitted: xr.Dataset | None,
+    known: xr.Dataset,
+    scene: dict[str, Any] | None,
+    integrator: dict[str, Any] | None,
+) -> Model | None:
+    """The model, from its own module: code of the other kind is not behind the answer."""
+    if not question.of_model:
+        return None
+    if fitted is None:
+        return importlib.import_module("vibrom.models.full_order").FullOrder.of_scene(scene, known)
+    module = importlib.import_module("vibrom.models.reduced")
+    settings = module.Integrator(**(integrator or {}))
+    return module.Reduced.of_scene(rom_from_dataset(fitted), known, settings)
+
+
+def evaluated(
+    question: Experiment, model: Model | None, given: Given, truth: xr.Dataset | None, warm: bool
+) -> xr.Dataset:
+    """The scored answer, with the least wall time of a few calls: other jobs may run beside it."""
+    if warm and question.of_model:
+        question.brief().ask(model, given)  # loads and compiles
+    answer = question.ask(model, given)
+    seconds = [float(answer["seconds"])]
+    while warm and np.isfinite(seconds[0]) and len(seconds) < CALLS and sum(seconds) < ENOUGH:
+        seconds.append(float(question.ask(model, given)["seconds"]))
+    answer = answer.assign(seconds=answer["seconds"].copy(data=min(seconds)))
+    if truth is None and question.truth is not None:
+        return scored(answer, {}, {})
+    values = question.score(answer, truth)
+    units = {name: unit for name, unit in question.scores.items() if name in values}
+    kept = answer if truth is None else question.stored(answer, truth)
+    return scored(kept, values, units)
+
+
+def unanswered(question: Experiment, outcome: Outcome) -> xr.Dataset:
+    """An outcome, and scores without a value."""
+    return scored(xr.Dataset(outcome_variables(outcome)), {}, dict(question.scores))

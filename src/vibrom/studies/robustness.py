@@ -1,0 +1,47 @@
+"""Robustness: far from the training data, for long, integrated loosely, with and without guards."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from msgspec import Meta
+
+from vibrom.config.kinds import Count, Fraction, Name, NonNegative, Positive, Several
+from vibrom.models.rollout import Integrator
+from vibrom.models.rom import Guards
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """Multiples of the damped first frequency."""
+
+    lowest: Positive
+    highest: Positive
+    count: Count  # from the lowest to the highest
+
+
+@dataclass(frozen=True)
+class FullOrder:
+    """Coarse steps and numerical damping of the full-order model."""
+
+    steps_per_period: Several[Annotated[int, Meta(ge=4)]]
+    alpha: Several[Fraction]  # gamma = 1/2 + alpha
+    forcing: Several[NonNegative]  # times the scene's own
+    periods: Count
+    every_frequency: Count  # every n-th frequency of the scene's response curve
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """The grid of runs."""
+
+    scenes: list[Name]  # those that are studied, of those of the run
+    # of one and the same fitted model; the first is what the others are compared with
+    guards: Annotated[dict[Name, Guards], Meta(min_length=1)]
+    # the first one for every guard, the others with the first guard
+    integrators: Annotated[dict[Name, Integrator], Meta(min_length=1)]
+    forcing: Annotated[list[NonNegative], Meta(min_length=1)]  # times the scene's own
+    frequency: Frequencies  # of the forced runs
+    periods: Count
+    releases: Count  # random states that are released, and as many that are forced
+    beyond: Positive  # how far out they lie at most, divided by the training range
+    full_order: FullOrder
