@@ -1,9 +1,9 @@
 """Figure 3.3: losses during training
 
 Total loss (heavy) and its terms before they are weighted (thin, with markers) against the epoch,
-on training data (solid) and on the test trajectory (dashed), which training never sees. One seed
-is drawn, named in the title: the median one by decay NMTE. Methods that solve for their
-coefficients directly have no history and are listed above. The thesis shows the case large.
+on training data (solid) and, where it is recorded, on the test trajectory (dashed). One seed is
+drawn, named in the title: the median one by decay NMTE. Methods that solve for their coefficients
+directly have no history and are listed above. The thesis shows the case large.
 """
 
 import numpy as np
