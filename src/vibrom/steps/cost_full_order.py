@@ -91,7 +91,9 @@ def run(
     questions = {
         "decay": Question(start, scene["record"]["periods"]),
         "forced": Question(
-            np.zeros_like(start), settings["forced_periods"], float(scene["experiments"]["forced"]["forcing"])
+            np.zeros_like(start),
+            settings["forced_periods"],
+            float(scene["experiments"]["forced"]["forcing"]),
         ),
     }
     for question in questions.values():  # compiles and warms up

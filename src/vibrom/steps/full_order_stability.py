@@ -44,7 +44,8 @@ def run(
                     start,
                     2 * np.pi / (frequency * steps),
                     periods * steps,
-                    signal=np.sin(phase) * np.full(len(frequency), level * scene["experiments"]["frc"]["forcing"]),
+                    signal=np.sin(phase)
+                    * np.full(len(frequency), level * scene["experiments"]["frc"]["forcing"]),
                     initial_acceleration=model.initial_acceleration,
                     record=record,
                 )
