@@ -112,26 +112,26 @@ BAD = {
     ),
     "unknown setting of a method": (
         METHOD,
-        "settings.epoch",
-        3,
+        "settings",
+        {"epoch": 3},
         ["settings.epoch = 3", "did you mean 'epochs'?"],
     ),
     "type of a setting": (
         METHOD,
-        "settings.epochs",
-        "many",
+        "settings",
+        {"epochs": "many"},
         ["settings.epochs = 'many'", "a whole number"],
     ),
     "unknown choice": (
         METHOD,
-        "settings.activation",
-        "relu",
+        "settings",
+        {"activation": "relu"},
         ["settings.activation = 'relu'", "did you mean 'elu'?"],
     ),
     "learning backwards": (
         METHOD,
-        "settings.learning_rate",
-        -1.0,
+        "settings",
+        {"learning_rate": -1.0},
         ["settings.learning_rate = -1.0", "greater than 0"],
     ),
     "no number": (
@@ -255,9 +255,9 @@ BAD = {
     ),
     "unknown guard of a method": (
         METHOD,
-        "settings.extrapolation",
-        "flat",
-        ["settings.extrapolation = 'flat'", "choose from none, linear"],
+        "settings",
+        {"extrapolation": "flat"},
+        ["settings.extrapolation = 'flat'", "choose from linear, none"],
     ),
     "unknown integrator": (
         CONFIG,
@@ -293,6 +293,12 @@ BAD = {
     "nothing clamped": (SCENE, "body.clamped", [], ["body.clamped", "name at least one"]),
     "no probe": (SCENE, "body.probes", {}, ["body.probes", "name at least one"]),
     "nothing acts": (SCENE, "effects", {}, ["effects", "list some"]),
+    "no settings of an experiment": (
+        SCENE,
+        "experiments",
+        ...,
+        ["experiments.forced.forcing", "is missing", "times the scene's load"],
+    ),
     "unknown body": (SCENE, "body.shape", "rectangel", ["did you mean 'rectangle'?"]),
     "name of the scene": (SCENE, "name", "folding", ["name = 'folding'", "remove it"]),
     "probe with a blank": (

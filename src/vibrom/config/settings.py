@@ -99,10 +99,8 @@ def load(
                 layers.refuse((kind, place), name, cure)
     for place, name in enumerate(config["experiments"]):
         layers.check_known(("experiments", place), name, plugs.names("experiments"), "experiment")
-    scenes = {
-        name: reading.scene(sources, folder, name, config["experiments"])
-        for name in config["scenes"]
-    }
+    asked = reading.needed(config["experiments"], config["studies"])
+    scenes = {name: reading.scene(sources, folder, name, asked) for name in config["scenes"]}
     methods = {name: reading.method(sources, folder, name) for name in config["methods"]}
     reading.check_starts(methods, folder)
     return Settings(
