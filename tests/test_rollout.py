@@ -10,7 +10,8 @@ from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
-from vibrom.models.training import MethodError, Rom, rom_from_dataset
+from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.training import MethodError
 from vibrom.solvers.reduced.arguments import ArgumentError
 
 IMPLICIT = Integrator(1e-10, 1e-12, "gauss", 40)
