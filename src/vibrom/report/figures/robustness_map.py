@@ -40,10 +40,10 @@ def draw(collection, scores, scene) -> Figure:
     image = None
     for panel, group in zip(axes, groups):
         image = failures(panel, group) or image
-        if group.guard == guards[0]:
-            panel.set_ylabel("forcing [of the scene's]", fontsize=SMALL)
-        if group.method == methods[-1]:
-            panel.set_xlabel("frequency [of the first]", fontsize=SMALL)
+        panel.set_ylabel("forcing [of the scene's]", fontsize=SMALL)
+        panel.set_xlabel("frequency [of the first]", fontsize=SMALL)
+        panel.yaxis.label.set_visible(group.guard == guards[0])
+        panel.xaxis.label.set_visible(group.method == methods[-1])
     if image is None:
         panels.words(axes[0], "no robustness tests in this run")
     else:

@@ -63,7 +63,7 @@ COLUMNS = (
     Column("microseconds_per_step_with", "Step with it [µs]"),
     Column("microseconds_per_step_without", "Step without it [µs]"),
     Column("seconds_ratio", "With / without [–]"),
-    Column("iterations_per_step", "Iterations a step"),
+    Column("iterations_per_step", "Iterations a step [–]"),
     OUTCOME,
     Column("needed_by", "Needed by"),
     Column("failed_at_s", "First failure [s]"),

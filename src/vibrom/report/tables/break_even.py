@@ -36,13 +36,13 @@ COLUMNS = (
     CASE,
     METHOD,
     Column("offline_s", "Offline [s]"),
-    *(count(name, words.capitalize()) for name, words in HEADINGS.items()),
+    *(count(name, f"{words.capitalize()} [–]") for name, words in HEADINGS.items()),
     Column(
         "thesis_offline_s",
         "Thesis: offline [s]",
         text=lambda row: as_given(row["thesis_offline_s"]),
     ),
-    *(count(f"thesis_{name}", f"Thesis: {words}") for name, words in HEADINGS.items()),
+    *(count(f"thesis_{name}", f"Thesis: {words} [–]") for name, words in HEADINGS.items()),
     OUTCOME,
 )
 

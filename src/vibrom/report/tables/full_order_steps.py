@@ -19,7 +19,7 @@ COLUMNS = (
     CASE,
     METHOD,
     Column("steps_per_period", "Steps a period", whole=True),
-    Column("gamma", "γ"),
+    Column("gamma", "γ [–]"),
     Column("forcing", "Forcing [of the scene's]"),
     Column("points", "Points", whole=True),
     Column("points_with_value", "With a value", whole=True),
