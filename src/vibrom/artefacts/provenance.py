@@ -33,7 +33,7 @@ def _stamp(path: Path) -> list[int]:
 
 @cache
 def _store() -> dict[str, dict]:
-    """What earlier processes read of each module: parsing all of them anew takes longer than the
+    """What earlier processes read of each module: parsing all of them again takes longer than the
     rest of this file's work.
 
     Kept beside the bytecode, for as long as this code and that file stay as they are.

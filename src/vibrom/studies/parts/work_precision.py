@@ -1,5 +1,4 @@
-"""What accuracy costs: fair times, observed orders, Pareto fronts, cheapest settings, break-even
-counts.
+"""What accuracy costs: observed orders, Pareto fronts, cheapest settings, break-even counts.
 
 A setting is a point (cost, error); a setting without an error (NaN: it failed) is on no front and
 never the cheapest.
@@ -7,24 +6,7 @@ never the cheapest.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from statistics import median
-from typing import Any
-
 import numpy as np
-
-
-def repeated(
-    call: Callable[[], tuple[Any, float]], repeats: int, patience: float
-) -> tuple[Any, float, int]:
-    """(answer, median seconds, calls) of `call() -> (answer, seconds)`: called `repeats` times, or
-    until it took `patience` seconds in all.
-    """
-    answer, seconds = call()
-    spent = [seconds]
-    while len(spent) < repeats and sum(spent) < patience:
-        spent.append(call()[1])
-    return answer, median(spent), len(spent)
 
 
 def observed_order(
