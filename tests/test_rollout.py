@@ -10,7 +10,8 @@ from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.models.rollout import Drive, Integrator, decode_displacement, rollout
-from vibrom.models.training import MethodError, Rom, rom_from_dataset
+from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.training import MethodError
 from vibrom.solvers.reduced.arguments import ArgumentError
 
 IMPLICIT = Integrator(1e-10, 1e-12, "gauss", 40)
@@ -156,11 +157,12 @@ assert "numba" not in sys.modules, "a model that is not rolled out imports a com
 from vibrom.latent import decoder_kernel, polynomial_kernel
 from vibrom.solvers.reduced import explicit, functions
 from vibrom.solvers.reduced.steppers import gauss
-compiled = (decoder_kernel._force, polynomial_kernel._polynomial, polynomial_kernel._constant,
-            explicit.solve, gauss.solve, functions._call_back)
+homes = decoder_kernel, polynomial_kernel, explicit, functions, gauss
+compiled = {item for home in homes for item in vars(home).values()
+            if hasattr(item, "stats") and item.signatures}
 misses, hits = (sum(sum(getattr(item.stats, name).values()) for item in compiled)
                 for name in ("cache_misses", "cache_hits"))
-print("torch" in sys.modules, misses, hits)
+print("torch" in sys.modules, misses, hits > 5)
 """
 
 
@@ -171,7 +173,7 @@ def test_a_second_process_compiles_nothing_and_no_model_imports_torch():
     from vibrom.solvers.reduced.steppers import gauss  # noqa: F401
 
     done = subprocess.run([sys.executable, "-c", PROCESS], capture_output=True, text=True)
-    assert done.stdout.split() == ["False", "0", "6"], done.stderr
+    assert done.stdout.split() == ["False", "0", "True"], done.stderr
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
