@@ -79,7 +79,7 @@ def rollout(
     integrator: Integrator,
     drive: Drive | None = None,
 ) -> Rollout:
-    """Z from `start` (b, r) at t = 0, sampled at `times` (b, m) ascending [s].
+    """z from `start` (b, r) at t = 0, sampled at `times` (b, m) ascending [s].
 
     Raises ArgumentError, a ValueError, where a shape or a value cannot be meant.
     """
