@@ -60,7 +60,9 @@ class Fit:
     answers: Mapping[str, Measured] = field(default_factory=dict)  # that are known
 
     @classmethod
-    def of_run(cls, model: Fitted, data: float, answers: Mapping[str, Measured] | None = None) -> Fit:
+    def of_run(
+        cls, model: Fitted, data: float, answers: Mapping[str, Measured] | None = None
+    ) -> Fit:
         """A model of the run whose training data took `data` seconds."""
         record, outcome = model.record, model.outcome
         rom = rom_from_dataset(record) if outcome.has_value else None
