@@ -25,6 +25,9 @@ Blocks = Annotated[np.ndarray, types.float64[:, :, ::1]]
 Numbers = Annotated[np.ndarray, types.int64[::1]]
 Places = Annotated[np.ndarray, types.int64[:, ::1]]
 
+# A part is called by kernels only, and counts no references, which would cost more than a small
+# body's step: it may not allocate.
+OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
 SCALARS = {float: types.float64, int: types.int64}
 
 
@@ -43,7 +46,7 @@ def part(function: Callable) -> Callable:
     the number of lanes, stay known inside it.
     """
 
-    @overload(function, strict=False, prefer_literal=True, jit_options={"forceinline": True})
+    @overload(function, strict=False, prefer_literal=True, jit_options=OPTIONS)
     def implementation(*arguments, **keywords):
         return function
 
