@@ -21,14 +21,14 @@ def test_product_and_solve(width, n, half):
     sparse = csr_matrix(
         np.where(np.add.outer(np.arange(n), np.arange(n)) % 3, full, 0.0)
     )  # whole diagonals of it hold zeros, and rows differ in length
-    multiply_add(*banded.product_form([sparse], width), x, y)
+    multiply_add(*banded.product(sparse, width), x, y)
     np.testing.assert_allclose(y, 1 + sparse @ x, rtol=1e-12)
     z, a, b = (
         np.ones((n, width)),
         np.arange(1.0, width + 1)[None],
         np.linspace(0.5, 2.0, width)[None],
     )
-    multiply_add_both(*banded.product_form([sparse, csr_matrix(full)], width), a, b, x, z)
+    multiply_add_both(*banded.products(sparse, csr_matrix(full), width), a, b, x, z)
     np.testing.assert_allclose(z, 1 + a * (sparse @ x) + b * (full @ x), rtol=1e-10)
     combined = np.empty((n, band.shape[1], width))
     combine(np.stack([band, band**2]), np.concatenate([a, b]), combined)

@@ -12,7 +12,7 @@ from vibrom.bodies import space
 from vibrom.kernels.lanes import get
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
-from vibrom.solvers.full.newmark_loop import predict
+from vibrom.solvers.full.scheme import extrapolated
 from vibrom.solvers.full.static import equilibrium
 
 

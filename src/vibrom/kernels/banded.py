@@ -1,25 +1,66 @@
 """Symmetric banded matrices for several states side by side.
 
-A (n, n) with half bandwidth b is stored as  band[j, d, w] = A[j + d, j]  of state w, d = 0..b: one
-column after the other, the state last. `factorise` and `solve` are the plain column algorithms
+    A (n, n) of half bandwidth b:   band[j, d, w] = A[j + d, j] of state w,   d = 0..b
+
+One column after the other, the state last. `factorise` and `solve` are the plain column algorithms
 (Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a
 tangent that a far guess made indefinite, where Cholesky's method ends.
+
+Own code, where LAPACK factorises one matrix a call: rows `factor` and `solve` of the benchmark
+`budget`, and all of `sweep`.
 """
 
+from collections.abc import Callable
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
 from scipy.sparse import coo_matrix, spmatrix
 
-from vibrom.kernels.lanes import WIDTH, cut, fill, get, kernel, paste, put
+from vibrom.kernels.compiled import Blocks, Places, Rows, kernel, machine_type
+from vibrom.kernels.lanes import WIDTH, cut, fill, get, paste, put
 
-_band = types.float64[:, :, ::1]
-_one = types.float64[:, ::1]
-_places = types.int64[:, ::1]
+
+class Product(NamedTuple):
+    """A symmetric matrix as the products take it; see `product`."""
+
+    values: Rows
+    places: Places
+
+
+class Products(NamedTuple):
+    """Two symmetric matrices of one pattern."""
+
+    first: Rows
+    second: Rows
+    places: Places
+
+
+class Kernels(NamedTuple):
+    """What is compiled for a number of states, or its signatures."""
+
+    multiply_add: Callable  # y += A x of a `Product`
+    multiply_add_both: Callable  # y += a A x + b B x of `Products`, a and b (1, width)
+    combine: Callable  # band = sum_k scales[k] parts[k]
+    factorise: Callable  # A = L D L' in place
+    solve: Callable  # x becomes A^-1 x
+
+
+_band, _rows, _places = machine_type(Blocks), machine_type(Rows), machine_type(Places)
+SIGNATURES = Kernels(
+    types.void(_rows, _places, _rows, _rows),
+    types.void(_rows, _rows, _places, _rows, _rows, _rows, _rows),
+    types.void(_band, _rows, _band),
+    types.void(_band),
+    types.void(_band, _rows),
+)
+# As a compiled loop takes them: pointers, so that it is not compiled again with them.
+POINTERS = types.Tuple([types.FunctionType(signature) for signature in SIGNATURES])
 
 
 def half_bandwidth(matrix: spmatrix) -> int:
+    """b, the largest distance of an entry from the diagonal."""
     entries = coo_matrix(matrix)
     return int(np.abs(entries.row - entries.col).max(initial=0))
 
@@ -34,8 +75,8 @@ def to_band(matrix: spmatrix, half: int) -> np.ndarray:
 
 
 def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarray:
-    """(elements, d(d+1)/2), or (elements, d*d) for whole matrices, where each entry of an element's
-    matrix goes in the flattened band.
+    """Where each entry of an element's matrix goes in the flattened band: (elements, d(d+1)/2), or
+    (elements, d*d) for whole matrices.
 
     -1 for clamped ones, and for what a non-symmetric matrix has above the diagonal.
     """
@@ -45,21 +86,29 @@ def band_slots(dofs: np.ndarray, half: int, symmetric: bool = True) -> np.ndarra
         for index in (np.tril_indices(d) if symmetric else np.divmod(np.arange(d * d), d))
     )
     low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-    return np.ascontiguousarray(
-        np.where((low >= 0) & (symmetric | (rows >= columns)), low * (half + 1) + (high - low), -1)
-    )
+    kept = (low >= 0) & (symmetric | (rows >= columns))
+    return np.ascontiguousarray(np.where(kept, low * (half + 1) + (high - low), -1))
 
 
-def product_form(matrices: list[spmatrix], width: int) -> tuple[np.ndarray, ...]:
-    """(values of each matrix, where they stand): what the products take for symmetric matrices (n,
-    n), less their zeros.
+def product(matrix: spmatrix | None, width: int) -> Product:
+    """A symmetric matrix (n, n), less its zeros; without one, arrays without an entry.
 
     For one state the diagonals from the main one down, values (k, n) and their distances (k, 1),
-    whose rows are long; for more the rows, values (n, k) and their columns (n, k), filled up with
+    whose rows are long. For more, the rows, values (n, k) and their columns (n, k), filled up with
     zeros on the diagonal.
     """
-    if not matrices:
-        return np.zeros((0, 0)), np.zeros((0, 0), np.int64)
+    if matrix is None:
+        return Product(np.zeros((0, 0)), np.zeros((0, 0), np.int64))
+    return Product(*_common_pattern([matrix], width))
+
+
+def products(first: spmatrix, second: spmatrix | None, width: int) -> Products:
+    """Two symmetric matrices in the pattern of both; no second one is a matrix of zeros."""
+    return Products(*_common_pattern([first, 0.0 * first if second is None else second], width))
+
+
+def _common_pattern(matrices: list[spmatrix], width: int) -> tuple[np.ndarray, ...]:
+    """Values of each matrix, and where they stand."""
     n, pattern = matrices[0].shape[0], sum(abs(matrix) for matrix in matrices).tocsr()
     pattern.eliminate_zeros()
     if width == 1:
@@ -79,7 +128,7 @@ def product_form(matrices: list[spmatrix], width: int) -> tuple[np.ndarray, ...]
     ), columns
 
 
-@kernel(types.void(_one, _places, _one, _one))
+@kernel(SIGNATURES.multiply_add)
 def _multiply_add_alone(diagonals, distances, x, y):
     n = diagonals.shape[1]
     x, y = x.reshape(n), y.reshape(n)
@@ -87,14 +136,14 @@ def _multiply_add_alone(diagonals, distances, x, y):
         y[j] += diagonals[0, j] * x[j]
     for k in range(1, len(distances)):
         d, row = distances[k, 0], diagonals[k]
-        ahead, below = x[d:], y[d:]  # an index j + d would be asked whether it is negative
+        ahead, below = x[d:], y[d:]  # an index j + d would be tested for being negative
         for j in range(n - d):
             below[j] += row[j] * x[j]
         for j in range(n - d):
             y[j] += row[j] * ahead[j]
 
 
-@kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+@kernel(SIGNATURES.multiply_add_both)
 def _multiply_add_both_alone(first, second, distances, a, b, x, y):
     n = first.shape[1]
     x, y, a, b = x.reshape(n), y.reshape(n), a[0, 0], b[0, 0]
@@ -110,14 +159,19 @@ def _multiply_add_both_alone(first, second, distances, a, b, x, y):
 
 
 @cache
-def kernels(width: int):
-    """(multiply_add, multiply_add_both, combine, factorise, solve) for `width` states; the products
-    take matrices in `product_form`.
-    """
+def kernels(width: int) -> Kernels:
+    """The kernels for `width` states side by side."""
+    multiply_add, multiply_add_both = (
+        (_multiply_add_alone, _multiply_add_both_alone) if width == 1 else _product_kernels(width)
+    )
+    return Kernels(
+        multiply_add, multiply_add_both, _combine(width), _factorise(width), _solve(width)
+    )
 
-    @kernel(types.void(_one, _places, _one, _one))
+
+def _product_kernels(width: int) -> tuple[Callable, Callable]:
+    @kernel(SIGNATURES.multiply_add)
     def multiply_add(values, columns, x, y):
-        """Y += A x."""
         n, entries = values.shape
         for i in range(n):
             total = get(y, i, width)
@@ -125,9 +179,8 @@ def kernels(width: int):
                 total += values[i, k] * get(x, columns[i, k], width)
             put(y, i, total)
 
-    @kernel(types.void(_one, _one, _places, _one, _one, _one, _one))
+    @kernel(SIGNATURES.multiply_add_both)
     def multiply_add_both(first, second, columns, a, b, x, y):
-        """Y += a A x + b B x, with a and b (1, width)."""
         n, entries = first.shape
         by_first, by_second = get(a, 0, width), get(b, 0, width)
         for i in range(n):
@@ -138,11 +191,13 @@ def kernels(width: int):
                 other += second[i, k] * here
             put(y, i, get(y, i, width) + by_first * one + by_second * other)
 
-    @kernel(types.void(_band, _one, _band))
+    return multiply_add, multiply_add_both
+
+
+def _combine(width: int) -> Callable:
+    @kernel(SIGNATURES.combine)
     def combine(parts, scales, band):
-        """Band = sum_k scales[k] parts[k] of parts (k, n, b + 1) that all states share; scales (k,
-        width).
-        """
+        """parts (k, n, b + 1) that all states share; scales (k, width)."""
         n, depth = band.shape[0], band.shape[1]
         entries, parts = band.reshape(n * depth, width), parts.reshape(parts.shape[0], n * depth)
         for at in range(n * depth):
@@ -151,11 +206,13 @@ def kernels(width: int):
                 total += parts[k, at] * get(scales, k, width)
             put(entries, at, total)
 
-    @kernel(types.void(_band))
+    return combine
+
+
+def _factorise(width: int) -> Callable:
+    @kernel(SIGNATURES.factorise)
     def factorise(band):
-        """A = L D L' in place, without pivots; a state with a zero pivot ends as NaN and spoils no
-        other.
-        """
+        """Without pivots: a state with a zero pivot ends as NaN and spoils no other."""
         n, depth = band.shape[0], band.shape[1]
         entries = band.reshape(n * depth, width)
         for j in range(n):
@@ -166,11 +223,8 @@ def kernels(width: int):
                     value, k = band[j, d, 0] / band[j, 0, 0], d
                     while k + WIDTH <= reach:
                         at = (j + d) * depth + k - d
-                        paste(
-                            entries,
-                            at,
-                            cut(entries, at, WIDTH) - value * cut(entries, j * depth + k, WIDTH),
-                        )
+                        change = value * cut(entries, j * depth + k, WIDTH)
+                        paste(entries, at, cut(entries, at, WIDTH) - change)
                         k += WIDTH
                     while k < reach:
                         band[j + d, k - d, 0] -= value * band[j, k, 0]
@@ -180,20 +234,21 @@ def kernels(width: int):
                     value = inverse * get(entries, j * depth + d, width)
                     for k in range(d, reach):
                         at = (j + d) * depth + k - d
-                        put(
-                            entries,
-                            at,
-                            get(entries, at, width) - value * get(entries, j * depth + k, width),
-                        )
-            # The column becomes that of L, and the diagonal keeps 1/D_j: substitution multiplies by
-            # it.
+                        change = value * get(entries, j * depth + k, width)
+                        put(entries, at, get(entries, at, width) - change)
+            # The column becomes that of L, and the diagonal keeps 1/D_j, by which `solve`
+            # multiplies.
             for d in range(1, reach):
                 put(entries, j * depth + d, inverse * get(entries, j * depth + d, width))
             put(entries, j * depth, inverse)
 
-    @kernel(types.void(_band, _one))
+    return factorise
+
+
+def _solve(width: int) -> Callable:
+    @kernel(SIGNATURES.solve)
     def solve(band, x):
-        """X becomes A^-1 x, from the factors that `factorise` left in `band`."""
+        """From the factors that `factorise` left in `band`."""
         n, depth = band.shape[0], band.shape[1]
         entries = band.reshape(n * depth, width)
         for j in range(n):
@@ -203,15 +258,9 @@ def kernels(width: int):
             put(x, j, here * get(entries, j * depth, width))
         for j in range(n - 1, -1, -1):
             here = get(x, j, width)
-            for d in range(
-                min(depth, n - j) - 1, 0, -1
-            ):  # the newest last: only that product waits for the row before
+            # The newest last: only that product waits for the row before.
+            for d in range(min(depth, n - j) - 1, 0, -1):
                 here -= get(entries, j * depth + d, width) * get(x, j + d, width)
             put(x, j, here)
 
-    products = (
-        (multiply_add, multiply_add_both)
-        if width > 1
-        else (_multiply_add_alone, _multiply_add_both_alone)
-    )
-    return *products, combine, factorise, solve
+    return solve

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from vibrom.solvers.full.sparse import Tangent
+from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import SceneError, Term
 
 EPSILON = float(np.finfo(float).eps)

@@ -1,0 +1,118 @@
+"""Compiled functions that are kept on disk, and the records that they take.
+
+    @kernel(signature)      compiles now, or reads what an earlier process compiled
+    @part                   a function that kernels call; Python may call it too
+    machine_type(Record)    the signature of a named tuple, from its annotations
+
+How lanes, kernels and their store work is told in docs/kernels.md.
+"""
+
+import inspect
+from collections.abc import Callable, Iterator
+from hashlib import sha256
+from pathlib import Path
+from types import CodeType, FunctionType
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numba import njit, types
+from numba.extending import overload
+
+# Arrays of a record, contiguous, the state index last.
+Vector = Annotated[np.ndarray, types.float64[::1]]
+Rows = Annotated[np.ndarray, types.float64[:, ::1]]
+Blocks = Annotated[np.ndarray, types.float64[:, :, ::1]]
+Numbers = Annotated[np.ndarray, types.int64[::1]]
+Places = Annotated[np.ndarray, types.int64[:, ::1]]
+
+# A part is called by kernels only, and counts no references, which would cost more than a small
+# body's step: it may not allocate.
+OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+SCALARS = {float: types.float64, int: types.int64}
+
+
+def machine_type(annotation: Any) -> types.Type:
+    """The numba type of a number, of an array declared above, or of a named tuple of such."""
+    if get_origin(annotation) is Annotated:
+        return get_args(annotation)[1]
+    if annotation in SCALARS:
+        return SCALARS[annotation]
+    fields = get_type_hints(annotation, include_extras=True).values()
+    return types.BaseTuple.from_types([machine_type(field) for field in fields], annotation)
+
+
+def part(function: Callable) -> Callable:
+    """A function of which kernels are made. Numbers that are known when a kernel is compiled, as
+    the number of lanes, stay known inside it.
+    """
+
+    @overload(function, strict=False, prefer_literal=True, jit_options=OPTIONS)
+    def implementation(*arguments, **keywords):
+        return function
+
+    return function
+
+
+def kernel(*signatures, fastmath: bool | set[str] = True, nogil: bool = False):
+    """Compiles a function for these signatures and keeps it on disk, so that a second process does
+    not compile again; with `nogil` threads may run it at the same time.
+
+    It is named after the numbers that it captured and after its `edition`. Without the first,
+    versions for other widths that different processes compiled could carry one symbol, and a third
+    process that loads both would call the wrong one; without the second an edited helper would
+    stay as it was in every kernel that calls it.
+    """
+
+    def compile(function: Callable) -> Callable:
+        captured = (cell.cell_contents for cell in function.__closure__ or ())
+        numbers = (str(value) for value in captured if isinstance(value, int))
+        name = (function.__qualname__, *numbers, edition(function, *signatures))
+        function.__qualname__ = "_".join(name)
+        options = {"cache": True, "fastmath": fastmath, "nogil": nogil, "error_model": "numpy"}
+        return njit(list(signatures), **options)(function)
+
+    return compile
+
+
+def edition(function: Callable, *signatures) -> str:
+    """Digest of what a kernel is made of beside its own file, which is all that numba looks at: the
+    files of the functions and records that it uses, however deep, and the fields of its records.
+    """
+    here = Path(__file__).parent
+    files = {__file__, str(here / "lanes.py"), str(here / "vector.py")}
+    files |= {inspect.getfile(item) for item in _used(function, set())}
+    digest = sha256(b"".join(Path(file).read_bytes() for file in sorted(files)))
+    for signature in signatures:
+        digest.update(repr([_fields(kind) for kind in signature.args]).encode())
+    return digest.hexdigest()[:8]
+
+
+def _used(function: FunctionType, seen: set) -> set:
+    """Functions and named tuples that a function refers to by a global name, and what they use."""
+    for name in _names(function.__code__):
+        found = function.__globals__.get(name)
+        for item in found if isinstance(found, tuple) else (found,):
+            item = getattr(item, "py_func", item)
+            if item in seen:
+                continue
+            if isinstance(item, FunctionType):
+                seen.add(item)
+                _used(item, seen)
+            elif isinstance(item, type) and hasattr(item, "_fields"):
+                seen.add(item)
+    return seen
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    yield from code.co_names
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _names(constant)
+
+
+def _fields(kind: types.Type) -> Any:
+    """Names of a record's fields, level by level."""
+    if not isinstance(kind, types.BaseTuple):
+        return None
+    names = getattr(getattr(kind, "instance_class", None), "_fields", ())
+    return names, [_fields(item) for item in kind.types]

@@ -1,0 +1,135 @@
+"""A batch of states that are integrated side by side, ready for any method."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, solveh_banded
+from scipy.sparse.linalg import splu
+
+from vibrom.kernels import banded
+from vibrom.kernels.compiled import Rows, Vector
+from vibrom.kernels.lanes import room
+from vibrom.solvers.full.march import State
+from vibrom.solvers.full.scheme import Scheme, weights
+from vibrom.term import SceneError, Term
+
+WIDEST_BAND = 1000  # of a mass; beyond it a sparse factor is cheaper than a banded one
+
+
+class Steps(NamedTuple):
+    """Newmark's formulas for the time step of each state."""
+
+    scheme: Scheme
+    h: Rows  # (1, width) s
+    by_q: Rows  # (1, width) s^2, beta h^2
+    by_v: Rows  # (1, width) s, gamma h
+
+
+class Loads(NamedTuple):
+    """p u(t) + p_0."""
+
+    signal: Rows  # (steps + 1, width)
+    load: Vector  # (n,) N per unit of the signal
+    dead_load: Vector  # (n,) N
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Where the states of a batch start, and what drives them."""
+
+    term: Term
+    scheme: Scheme
+    q: np.ndarray  # (n, width) m
+    v: np.ndarray  # (n, width) m/s
+    h: np.ndarray  # (width,) s
+    signal: np.ndarray  # (steps + 1, width)
+    at_equilibrium: bool  # does the acceleration start at equilibrium with the forces, or at zero?
+
+    @property
+    def width(self) -> int:
+        """States side by side."""
+        return self.q.shape[1]
+
+    def part(self, first: int, width: int) -> Batch:
+        """`width` of the states, from one of them on; the last state fills up a batch."""
+        some = np.minimum(np.arange(first, first + width), self.width - 1)
+        return replace(
+            self,
+            q=np.ascontiguousarray(self.q[:, some]),
+            v=np.ascontiguousarray(self.v[:, some]),
+            h=self.h[some],
+            signal=np.ascontiguousarray(self.signal[:, some]),
+        )
+
+    @cached_property
+    def steps(self) -> Steps:
+        """Newmark's formulas for its time steps."""
+        h = np.array(self.h[None], float)
+        return Steps(self.scheme, h, *weights(self.scheme, h))
+
+    @cached_property
+    def loads(self) -> Loads:
+        """Its loads; a load that is not there is zero."""
+        term, none = self.term, np.zeros(self.term.size)
+        load, dead = (none if part is None else part for part in (term.load, term.dead_load))
+        return Loads(np.array(self.signal, float), np.array(load, float), np.array(dead, float))
+
+    def start(self) -> State:
+        """Displacements, velocities and accelerations, from the beginning of a cache line on."""
+        acceleration = self._acceleration() if self.at_equilibrium else np.zeros_like(self.q)
+        state = State(*(room(*self.q.shape) for _ in range(3)))
+        for values, start in zip(state, (self.q, self.v, acceleration)):
+            values[:] = start
+        return state
+
+    def internal(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """K q + sum f(q, v) (n, width) [N] of contiguous q and v."""
+        stiffness = self.term.stiffness
+        f = np.zeros_like(q) if stiffness is None else np.ascontiguousarray(stiffness @ q)
+        for force in self.term.forces:
+            force.kernels(self.width)[0](q, v, force.dofs, force.table, f)
+        return f
+
+    def _acceleration(self) -> np.ndarray:
+        """a of  M a = p u + p_0 - C v - K q - sum f(q, v)."""
+        signal, load, dead_load = self.loads
+        r = load[:, None] * signal[0] + dead_load[:, None] - self.internal(self.q, self.v)
+        if self.term.damping is not None:
+            r -= self.term.damping @ self.v
+        mass, half = self.term.mass, banded.half_bandwidth(self.term.mass)
+        try:
+            if half > WIDEST_BAND:
+                return splu(mass.tocsc()).solve(r)
+            return solveh_banded(banded.to_band(mass, half).T, r, lower=True)
+        except (LinAlgError, RuntimeError):
+            raise SceneError(
+                "effects: some node has no mass, so that no acceleration is in equilibrium with "
+                "the forces; list inertia, or choose time.initial_acceleration = zero"
+            ) from None
+
+
+def mass_damping(term: Term) -> float:
+    """c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v). Otherwise zero."""
+    if term.damping is None:
+        return 0.0
+    rate = term.damping[0, 0] / term.mass[0, 0]
+    apart = abs((term.damping - rate * term.mass).data)
+    return float(rate) if (apart <= 1e-13 * abs(term.damping).max()).all() else 0.0
+
+
+def linear_tangent(batch: Batch, half: int) -> tuple[np.ndarray, np.ndarray]:
+    """Bands (k, n, half + 1) of M, C and K, those that are there, and what multiplies them in
+    M + gamma h C + beta h^2 K for each state (k, width).
+    """
+    term, steps = batch.term, batch.steps
+    weighted = (
+        (term.mass, np.ones_like(steps.h)),
+        (term.damping, steps.by_v),
+        (term.stiffness, steps.by_q),
+    )
+    bands = [banded.to_band(part, half) for part, _ in weighted if part is not None]
+    return np.stack(bands), np.concatenate([by for part, by in weighted if part is not None])

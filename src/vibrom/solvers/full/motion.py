@@ -1,0 +1,66 @@
+"""What an integration keeps, and what it returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from vibrom.artefacts.outcome import Outcome
+
+
+@dataclass(frozen=True)
+class Record:
+    """What to keep: all displacements at some steps, some displacements at all of them."""
+
+    every: int = 1  # keep the whole state at every n-th step,
+    start: int = 0  # from this step on
+    # (k,) free displacements that are kept at every step,
+    probes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    probe_start: int = 0  # from this step on
+
+    def check(self, n: int) -> None:
+        """Raises ValueError where it asks for what a body of n displacements has not."""
+        if min(self.every, self.start + 1, self.probe_start + 1) < 1:
+            raise ValueError(
+                f"record: every = {self.every}, start = {self.start}, probe_start = "
+                f"{self.probe_start}; needed are every >= 1 and starts >= 0"
+            )
+        outside = [int(dof) for dof in self.probes if not 0 <= dof < n]
+        if outside:
+            raise ValueError(f"record.probes has {outside[0]}; needed are dofs from 0 to {n - 1}")
+
+    def allocate(self, n: int, states: int, steps: int) -> Motion:
+        """A motion without values yet."""
+        kept = np.arange(self.start, steps + 1, self.every)
+        displacement, velocity, acceleration = np.full((3, states, len(kept), n), np.nan)
+        watched = max(steps + 1 - self.probe_start, 0)
+        return Motion(
+            kept=kept,
+            displacement=displacement,
+            velocity=velocity,
+            acceleration=acceleration,
+            probes=np.full((states, len(self.probes), watched), np.nan),
+            failed_at=np.full(states, np.nan),
+        )
+
+
+@dataclass
+class Motion:
+    """The motion of several states side by side; all is NaN from a failure on."""
+
+    kept: np.ndarray  # (m,) numbers of the steps at which whole states are kept
+    displacement: np.ndarray  # (states, m, n) m
+    velocity: np.ndarray  # (states, m, n) m/s
+    acceleration: np.ndarray  # (states, m, n) m/s^2
+    probes: np.ndarray  # (states, k, steps + 1 - probe_start) m
+    failed_at: np.ndarray  # (states,) s, where Newton's iteration did not converge; NaN: nowhere
+    seconds: float = 0.0  # wall time, compilation excluded
+    iterations: int = 0  # of Newton, all batches added up
+    factorisations: int = 0  # likewise
+
+    @property
+    def outcomes(self) -> list[Outcome]:
+        """How each state ended."""
+        failed = ~np.isnan(self.failed_at)
+        return [Outcome.NO_CONVERGENCE if it else Outcome.OK for it in failed]
