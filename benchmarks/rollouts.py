@@ -16,10 +16,13 @@ fold of the response curve. So differences are told in units of the tolerance (1
 range) beside the rival's own distance from a solution a thousand times tighter. Work and precision
 are those of a decay of 30 periods, errors being distances from a solution with a tolerance of 1e-13
 over the training range. SSMLearn's models of higher order are fitted here and swept at a twentieth
-of the forcing, which keeps them in their range and the work whole.
+of the forcing, which keeps them in their range and the work whole. "As four functions" is a model
+without compiled code: the compiled loop then calls its numpy functions for eight runs at once.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -35,11 +38,12 @@ from vibrom.methods.ssmlearn import SsmLearn
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import LIMIT, Drive, Integrator, rollout
-from vibrom.models.rom import rom_from_dataset
+from vibrom.models.rom import Rom, rom_from_dataset
 from vibrom.models.training import Training
 from vibrom.report.drawing.style import look
 
 SCENE = Path("results/folding")
+DATA = {"structure": "structure", "train": "trajectory", "test": "trajectory", "frc": "frc"}
 METHODS = (
     "modal_projection",
     "ssmlearn",
@@ -55,121 +59,114 @@ TOLERANCES = [10.0**-k for k in range(3, 12)]
 ORDERS = (3, 5, 7, 9, 11)
 
 
+@dataclass(frozen=True)
+class Sweep:
+    """Forced runs from rest, one frequency each."""
+
+    drive: Drive  # of 33 runs
+    times: np.ndarray  # (33, SAMPLES) of the last period [s]
+
+    def start(self, rom: Rom) -> np.ndarray:
+        """The encoded state of rest (r,)."""
+        return rom.encode(np.zeros((1, 2 * len(self.drive.load))))[0]
+
+    def ours(self, rom: Rom, integrator: Integrator = SETTINGS) -> np.ndarray:
+        """All runs (33, SAMPLES, r)."""
+        start = np.repeat(self.start(rom)[None], len(self.times), axis=0)
+        return rollout(rom, start, self.times, integrator, self.drive).reduced
+
+    def theirs(self, rom: Rom, k: int) -> np.ndarray:
+        """Run k (SAMPLES, r) by the rival."""
+        settings = SETTINGS.rtol, SETTINGS.atol * rom.reach, LIMIT * rom.reach
+        signal = self.drive.load, self.drive.amplitude[k], self.drive.frequency[k]
+        return simulate(rom, self.start(rom), self.times[k], *settings, *signal)
+
+
+@dataclass(frozen=True)
+class FourFunctions(Rom):
+    """A model without compiled code."""
+
+    inner: Rom
+
+    def encode(self, x):
+        return self.inner.encode(x)
+
+    def decode(self, z):
+        return self.inner.decode(z)
+
+    def drift(self, z):
+        return self.inner.drift(z)
+
+    def force_map(self, z, p):
+        return self.inner.force_map(z, p)
+
+
 def measure(note) -> Iterator[Row]:
     models = {
         method: next(iter(sorted(SCENE.glob(f"{method}/*/rom.nc"))), None) for method in METHODS
     }
-    if not all(
-        (SCENE / "full_order" / f"{name}.nc").is_file()
-        for name in ("structure", "train", "test", "frc")
-    ) or not all(models.values()):
+    data = [SCENE / "full_order" / f"{name}.nc" for name in DATA]
+    if not all(path.is_file() for path in data) or not all(models.values()):
         note(f"{SCENE} holds no models or no full-order data: run make first")
         return
-    known, train, test, truth = (
-        open_dataset(SCENE / "full_order" / f"{name}.nc", kind)
-        for name, kind in (
-            ("structure", "structure"),
-            ("train", "trajectory"),
-            ("test", "trajectory"),
-            ("frc", "frc"),
-        )
-    )
-    released, forcing, frequency = (
-        trajectory(test),
-        float(truth["forcing"]),
-        truth["angular_frequency"].values,
-    )
-    drive = Drive(known["load"].values, np.full(len(frequency), forcing), frequency)
-    last_period = (2 * np.pi / frequency)[:, None] * (
-        truth.attrs["periods"] - 1 + np.arange(SAMPLES) / SAMPLES
-    )
+    known, train, test, truth = map(open_dataset, data, DATA.values())
+    frequency = truth["angular_frequency"].values
+    period = (2 * np.pi / frequency)[:, None]
+    drive = Drive(known["load"].values, np.full(len(frequency), float(truth["forcing"])), frequency)
+    sweep = Sweep(drive, period * (truth.attrs["periods"] - 1 + np.arange(SAMPLES) / SAMPLES))
     for method, path in models.items():
         rom = rom_from_dataset(open_dataset(path, "rom"))
-        yield from _sweep(method, rom, drive, last_period, note)
-        yield from _decay(
-            method, rom, released, TOLERANCES if method in PRECISION else [SETTINGS.rtol], note
-        )
-    training = Training((trajectory(train),), structure=operators(known))
-    gentle = Drive(drive.load, drive.amplitude / 20, frequency)
-    roms = {order: SsmLearn(1, order, order).fit(training) for order in ORDERS}
+        yield from _sweep(method, rom, sweep, note)
+        tolerances = TOLERANCES if method in PRECISION else [SETTINGS.rtol]
+        yield from _decay(method, rom, trajectory(test), tolerances, note)
+        if method == PRECISION[0]:
+            name, outside = f"{method} as four functions", FourFunctions(rom.reach, rom)
+            yield from _sweep(name, outside, sweep, note, every=4 * EVERY)
+    yield from _orders(Training((trajectory(train),), structure=operators(known)), sweep, note)
+
+
+def _orders(training: Training, sweep: Sweep, note) -> Iterator[Row]:
+    """SSMLearn's models of higher order, at a twentieth of the forcing."""
     note("orders of SSMLearn")
-    seconds = paired(
-        {
-            order: lambda rom=rom: rollout(
-                rom, np.zeros((len(frequency), 2)), last_period, SETTINGS, gentle
-            )
-            for order, rom in roms.items()
-        },
-        repeats=5,
-    )
-    for order, value in seconds.items():
-        yield Row("rollouts", f"ssmlearn of order {order}: seconds of a gentle sweep", value, "s")
+    gentle = replace(sweep, drive=replace(sweep.drive, amplitude=sweep.drive.amplitude / 20))
+    roms = {order: SsmLearn(1, order, order).fit(training) for order in ORDERS}
+    calls = {order: partial(gentle.ours, rom) for order, rom in roms.items()}
+    for order, seconds in paired(calls, repeats=5).items():
+        yield Row("rollouts", f"ssmlearn of order {order}: seconds of a gentle sweep", seconds, "s")
 
 
-def _sweep(method: str, rom, drive: Drive, times: np.ndarray, note) -> Iterator[Row]:
-    runs, start = len(drive.frequency), rom.encode(np.zeros((1, 2 * len(drive.load))))[0]
-    chosen = range(0, runs, EVERY)
-    note(f"{method}: sweep, the rival {len(chosen)} of {runs} frequencies")
-
-    def ours(rtol=SETTINGS.rtol, atol=SETTINGS.atol):
-        return rollout(
-            rom, np.repeat(start[None], runs, axis=0), times, Integrator(rtol, atol), drive
-        ).reduced
-
-    def theirs(k: int):
-        return simulate(
-            rom,
-            start,
-            times[k],
-            SETTINGS.rtol,
-            SETTINGS.atol * rom.reach,
-            LIMIT * rom.reach,
-            drive.load,
-            drive.amplitude[k],
-            drive.frequency[k],
-        )
-
-    mine, tight = ours(), ours(SETTINGS.rtol / 1000, SETTINGS.atol / 1000)
-    rom.force_map(start, drive.load)
+def _sweep(name: str, rom: Rom, sweep: Sweep, note, every: int = EVERY) -> Iterator[Row]:
+    chosen = range(0, len(sweep.times), every)
+    note(f"{name}: sweep, the rival {len(chosen)} of {len(sweep.times)} frequencies")
+    tighter = replace(SETTINGS, rtol=SETTINGS.rtol / 1000, atol=SETTINGS.atol / 1000)
+    mine, tight = sweep.ours(rom), sweep.ours(rom, tighter)
+    rom.force_map(sweep.start(rom), sweep.drive.load)
     seconds, rival_seconds, apart, rival_apart, alike = [], 0.0, [], [], 0
     for k in chosen:
         began = perf_counter()
-        ours()
+        sweep.ours(rom)
         middle = perf_counter()
-        other = theirs(k)
+        other = sweep.theirs(rom, k)
         seconds.append(middle - began)
         rival_seconds += perf_counter() - middle
         unit = SETTINGS.rtol * rom.reach
         apart.append(np.abs((mine[k] - other) / unit).max())  # NaN where a run ended early
         rival_apart.append(np.abs((tight[k] - other) / unit).max())
         alike += np.isfinite(mine[k, -1, 0]) == np.isfinite(other[-1, 0])
+    rival_seconds *= len(sweep.times) / len(chosen)
     yield Row(
-        "rollouts",
-        f"{method}: seconds of a sweep",
-        median(seconds),
-        "s",
-        "solve_ivp",
-        rival_seconds * runs / len(chosen),
+        "rollouts", f"{name}: seconds of a sweep", median(seconds), "s", "solve_ivp", rival_seconds
     )
-    if np.isfinite(apart).any():
-        yield Row(
-            "rollouts",
-            f"{method}: largest difference of both in a sweep, in tolerances",
-            np.nanmax(apart),
-            "1",
-        )
-        yield Row(
-            "rollouts",
-            f"{method}: largest error of the rival in a sweep, in tolerances",
-            np.nanmax(rival_apart),
-            "1",
-        )
+    told = {"difference of both": apart, "error of the rival": rival_apart}
+    for what, values in told.items() if np.isfinite(apart).any() else ():
+        quantity = f"{name}: largest {what} in a sweep, in tolerances"
+        yield Row("rollouts", quantity, np.nanmax(values), "1")
     yield Row(
-        "rollouts", f"{method}: runs of {len(chosen)} that end alike in both", float(alike), "1"
+        "rollouts", f"{name}: runs of {len(chosen)} that end alike in both", float(alike), "1"
     )
 
 
-def _decay(method: str, rom, released, tolerances: list[float], note) -> Iterator[Row]:
+def _decay(method: str, rom: Rom, released, tolerances: list[float], note) -> Iterator[Row]:
     note(f"{method}: decay")
     start, times = rom.encode(released.state[0]), released.time - released.time[0]
 
@@ -181,27 +178,16 @@ def _decay(method: str, rom, released, tolerances: list[float], note) -> Iterato
 
     exact = theirs(1e-13) if len(tolerances) > 1 else None
     for rtol in tolerances:
-        seconds = paired({"ours": lambda: ours(rtol), "rival": lambda: theirs(rtol)}, repeats=5)
-        yield Row(
-            "rollouts",
-            f"{method}: seconds of a decay at {rtol:.0e}",
-            seconds["ours"],
-            "s",
-            "solve_ivp",
-            seconds["rival"],
-        )
+        calls = {"ours": partial(ours, rtol), "rival": partial(theirs, rtol)}
+        pairs = {"seconds": (paired(calls, repeats=5), "s")}
         if exact is not None:
-            error, other = (
-                np.abs((found(rtol) - exact) / rom.reach).max() for found in (ours, theirs)
-            )
-            yield Row(
-                "rollouts",
-                f"{method}: error of a decay at {rtol:.0e}",
-                error,
-                "1",
-                "solve_ivp",
-                other,
-            )
+            errors = {
+                name: np.abs((call() - exact) / rom.reach).max() for name, call in calls.items()
+            }
+            pairs["error"] = errors, "1"
+        for what, (found, unit) in pairs.items():
+            quantity = f"{method}: {what} of a decay at {rtol:.0e}"
+            yield Row("rollouts", quantity, found["ours"], unit, "solve_ivp", found["rival"])
 
 
 def figures(rows: pd.DataFrame) -> dict[str, Figure]:
