@@ -1,7 +1,15 @@
-"""Checkpoints of a fit: kept, and left aside where they are torn."""
+"""A fit: its checkpoints, its times, and what is stored where there is no model."""
+
+import shutil
 
 import numpy as np
+import pytest
+import xarray as xr
 
+from vibrom.artefacts.data import open_dataset, outcome_variables
+from vibrom.methods.modal_projection import ModalProjection
+from vibrom.models.training import Clock, MethodError, TrainingDiverged
+from vibrom.steps import fit
 from vibrom.steps.fit import FileMonitor
 
 
@@ -23,3 +31,92 @@ def test_a_torn_checkpoint_is_none(tmp_path):
         path.write_bytes(torn)
         monitor = FileMonitor(str(path), "fit")
         assert monitor.restore() is None and monitor.spent("total") == 0.0
+
+
+def test_a_resumed_fit_counts_what_it_spent_before(tmp_path):
+    path = str(tmp_path / "state.npz")
+    first = FileMonitor(path, "fit")
+    first.seconds["total"] = 40.0
+    first.checkpoint({})
+    second = FileMonitor(path, "fit")
+    with second.phase("total"):
+        second.restore()
+    assert 40.0 <= second.seconds["total"] < 41.0
+
+
+@pytest.fixture
+def folder(beam, tmp_path):
+    """The artefacts that a fit reads."""
+    for name in ("structure", "train"):
+        shutil.copy(beam.folder / f"{name}.nc", tmp_path)
+    return tmp_path
+
+
+def changed(folder, change):
+    """Writes train.nc again as `change` makes it."""
+    train = xr.load_dataset(folder / "train.nc")
+    change(train).to_netcdf(folder / "train.nc", mode="w")
+
+
+def run(folder, **changes):
+    """(rom.nc, losses.nc) of a fit in the folder."""
+    paths = {name: str(folder / f"{name}.nc") for name in ("structure", "train", "rom", "losses")}
+    recipe = {
+        "scene": "beam",
+        "method": "own",
+        "kind": "modal_projection",
+        "settings": {},
+        "seed": None,
+        "device": "cpu",
+    }
+    fit.run(**paths, recipe=recipe | changes, provenance={})
+    return open_dataset(paths["rom"], "rom"), open_dataset(paths["losses"], "losses")
+
+
+def test_the_time_of_a_method_without_phases_is_counted(folder, monkeypatch):
+    """It is measured around the fit: a method need not mark anything."""
+
+    def slowly(self, training, own=ModalProjection.fit):
+        import time
+
+        time.sleep(0.2)
+        monkeypatch.setattr(training.monitor, "phase", Clock().phase)
+        return own(self, training)
+
+    monkeypatch.setattr(ModalProjection, "fit", slowly)
+    rom, losses = run(folder)
+    assert 0.2 <= float(rom["mapping_seconds"]) < 2.0 and float(rom["dynamics_seconds"]) == 0.0
+    assert losses.sizes["epoch"] == 0 and rom.attrs["rom"].endswith(":PolynomialRom")
+
+
+def test_a_diverged_training_is_stored_as_such(folder, monkeypatch):
+    def diverges(self, training):
+        raise TrainingDiverged("at epoch 3")
+
+    monkeypatch.setattr(ModalProjection, "fit", diverges)
+    rom, _ = run(folder)
+    assert rom["outcome"].item() == "training_diverged" and rom.attrs["reason"] == "at epoch 3"
+    assert "encoder" not in rom
+
+
+def test_what_stopped_before_is_said(folder):
+    def stopped(train):
+        ending = outcome_variables("no_convergence", 0.5)
+        return train.drop_vars(list(ending)).assign(ending)
+
+    changed(folder, stopped)
+    rom, _ = run(folder)
+    assert rom["outcome"].item() == "reference_failed"
+    assert rom.attrs["reason"].startswith("the full-order training run stopped at 0.5 s")
+
+
+def test_data_at_rest_are_one_line(folder):
+    changed(folder, lambda train: train.assign(displacement=0.0 * train["displacement"]))
+    with pytest.raises(MethodError, match="own in scene beam: the training data hold no motion"):
+        run(folder)
+
+
+def test_more_coefficients_than_samples_are_one_line(folder):
+    changed(folder, lambda train: train.isel(time=slice(0, 20)))
+    with pytest.raises(MethodError, match="54 coefficients cannot be fitted to 20 samples"):
+        run(folder, settings={"order": 9})

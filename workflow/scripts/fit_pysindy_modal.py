@@ -43,7 +43,17 @@ def fit(structure, train, *, modes, degree, threshold):
     model = pysindy.SINDy(
         optimizer=pysindy.STLSQ(threshold=threshold, alpha=0.0), feature_library=library
     )
+    library.fit(z[:1])
+    if len(z) < library.n_output_features_:
+        complain(
+            f"pysindy_modal: {library.n_output_features_} coefficients cannot be fitted to {len(z)} "
+            "samples; lower degree, or record more samples"
+        )
     model.fit(z / scale, t=train["time"].values * frequency[0], x_dot=rate / (scale * frequency[0]))
+    if not model.coefficients()[modes:].any():
+        complain(
+            f"pysindy_modal: threshold = {threshold:g} removes every term of the dynamics; lower it"
+        )
     arrays = {
         "reach": (
             ("coordinate",),

@@ -137,6 +137,11 @@ class AutoencoderMethod(Method):
             time_scale=self.time_scale,
         )
         stack = chosen.stack(training.trajectories, self.every)
+        if stack.shape[-1] < self.latent:
+            raise MethodError(
+                f"the training data move along {stack.shape[-1]} directions, fewer than latent = "
+                f"{self.latent}; lower latent"
+            )
         straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
         device, dtype = pick_device(training.device), getattr(torch, self.precision)
         encoder, decoder = (

@@ -4,7 +4,8 @@
 
 B (n, k) orthonormal directions: the known modes first, if wanted, then the proper orthogonal
 directions of what they leave of the training displacements; s [m] the root mean square displacement
-vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over s.
+vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over s. A direction that
+carries less than a millionth of the displacements is left out: what the data say of it is rounding.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from vibrom.models.training import Structure, Training, Trajectory
+
+SMALLEST = 1e-6  # of the displacements: what a direction carries at least
 
 Linear = Literal["none", "pod", "modes"]
 TimeScale = Literal["first_frequency", "none"]
@@ -81,13 +84,16 @@ def known(training: Training, modes: int) -> np.ndarray:
 def _basis(q: np.ndarray, rank: int, first: np.ndarray) -> np.ndarray:
     rank = min(rank, *q.shape)
     first = np.linalg.qr(first)[0]
-    rest = q - (q @ first) @ first.T
-    return np.linalg.qr(np.hstack([first, principal(rest, rank - first.shape[1])]))[0]
+    rest, smallest = q - (q @ first) @ first.T, SMALLEST * float(np.linalg.norm(q))
+    return np.linalg.qr(np.hstack([first, principal(rest, rank - first.shape[1], smallest)]))[0]
 
 
-def principal(q: np.ndarray, count: int) -> np.ndarray:
-    """The first proper orthogonal directions (n, count) of samples (m, n)."""
-    directions = np.linalg.svd(q, full_matrices=False)[2][:count]
+def principal(q: np.ndarray, count: int, smallest: float = 0.0) -> np.ndarray:
+    """The first proper orthogonal directions (n, count) of samples (m, n), or as many as have a
+    singular value of at least `smallest`.
+    """
+    _, values, directions = np.linalg.svd(q, full_matrices=False)
+    directions = directions[:count][values[:count] >= smallest]
     # The sign of a singular vector is the library's choice; the largest entry is made positive.
     largest = np.abs(directions).argmax(axis=1)
     signs = np.sign(directions[np.arange(len(directions)), largest])

@@ -26,7 +26,7 @@ from collections.abc import Sequence
 import torch
 
 EPSILON = 1e-8  # eps
-SHIFT = 1e-2  # delta
+SHIFT = 1.0  # delta
 
 
 class Optimiser(ABC):

@@ -1,9 +1,8 @@
-"""Recorded motion of a beam of three elements, made by the steps of the workflow, for every method
-alike.
-"""
+"""Recorded motion of a beam of three elements, made by the steps of the workflow."""
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,8 +41,9 @@ LOADS = {
 
 @dataclass(frozen=True)
 class Beam:
-    """The artefacts of the scene, in a folder."""
+    """The artefacts of the scene."""
 
+    folder: Path  # structure.nc, release.nc and train.nc
     known: xr.Dataset  # its structure
     train: xr.Dataset  # its decay
 
@@ -70,4 +70,4 @@ def beam(tmp_path_factory) -> Beam:
     record.run(
         structure=known, release=start, trajectory=train, scene=SCENE, role="train", provenance={}
     )
-    return Beam(open_dataset(known, "structure"), open_dataset(train, "trajectory"))
+    return Beam(folder, open_dataset(known, "structure"), open_dataset(train, "trajectory"))
