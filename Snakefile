@@ -71,10 +71,8 @@ include: "workflow/rules/resume.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/cost.smk"
+include: "workflow/rules/studies.smk"
 include: "workflow/rules/results.smk"
-include: "workflow/rules/effects.smk"
-include: "workflow/rules/stability.smk"
 include: "workflow/rules/families.smk"
 
 

@@ -14,6 +14,7 @@ import hashlib
 import json
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -160,7 +161,8 @@ def installed(package: str) -> str | None:
         return None
 
 
-def versions(names) -> dict[str, str]:
+def versions(names: Iterable[str]) -> dict[str, str]:
+    """Distribution -> version of these import packages, where they are installed."""
     return {
         DISTRIBUTION.get(name, name): found for name in sorted(names) if (found := installed(name))
     }

@@ -147,11 +147,10 @@ def study(
     """The settings of a study, for those of its scenes that run."""
     layers.check_known(("studies", name), name, plugs.names("studies"), "study")
     made = block(layers, ("studies", name), plugs.settings_of("studies", name))
-    if "scenes" in made:
-        known = stems(folder, "scenes")
-        for place, scene in enumerate(made["scenes"]):
-            layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
-        made["scenes"] = [scene for scene in made["scenes"] if scene in scenes]
+    known, chosen = stems(folder, "scenes"), made["scenes"]
+    for place, scene in enumerate(chosen or ()):
+        layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
+    made["scenes"] = [scene for scene in scenes if chosen is None or scene in chosen]
     if "reduced" in made:
         path, known = ("studies", name, "reduced"), stems(folder, "methods")
         for method in made["reduced"]:

@@ -39,7 +39,7 @@ def work(term: Term, q: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """int_0^1 f(q_0 + s q)'q ds (m,) [J] of q (n, m) from rest (n, 1) [m]."""
 
     def power(state: np.ndarray, at: np.ndarray) -> np.ndarray:
-        """f'q [J] of these states (k,) at parts `at` (k,) of their paths."""
+        """The product f'q [J] of these states (k,) at parts `at` (k,) of their paths."""
         path = q[:, state]
         return np.sum(path * forces(term, rest + at * path), axis=0)
 

@@ -12,13 +12,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from msgspec import Meta
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.config.kinds import Tolerance
+from vibrom.config.kinds import Stepper, Tolerance
 from vibrom.models.rom import Rom
 from vibrom.models.training import MethodError
 from vibrom.solvers.reduced import steppers
@@ -38,7 +38,7 @@ class Integrator:
 
     rtol: Tolerance = 1e-8  # of the state: the error of a step, or of an implicit one's iteration
     atol: Tolerance = 1e-10  # likewise, of the training range of each reduced coordinate
-    method: Literal["dop853", "gauss"] = "dop853"  # a file of solvers/reduced/steppers
+    method: Stepper = "dop853"
     # to a period of the fastest reduced coordinate, of methods that take equal steps
     steps: Annotated[int, Meta(ge=2)] = 40
 
@@ -79,7 +79,7 @@ def rollout(
     integrator: Integrator,
     drive: Drive | None = None,
 ) -> Rollout:
-    """Z from `start` (b, r) at t = 0, sampled at `times` (b, m) ascending [s].
+    """z from `start` (b, r) at t = 0, sampled at `times` (b, m) ascending [s].
 
     Raises ArgumentError, a ValueError, where a shape or a value cannot be meant.
     """

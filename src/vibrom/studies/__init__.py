@@ -10,6 +10,8 @@ fitted model; or `models`, one for each scene, of all its fitted models.
                  `full_order/<name>`, an artefact of the full order, or the name of an experiment,
                  the answer of each of its fitted models
     experiments  those whose settings the study needs
+    settings     kind -> the fields that a job depends on, and the only ones that it has; all of
+                 them where nothing is said
     parts        kind -> module below vibrom that does the job with `made(study, case)`; a study
                  without it has the methods `of_scene`, `of_model` or `of_models` in its own file
 """
@@ -18,13 +20,15 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, get_type_hints
 
+import msgspec
 import xarray as xr
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.config.instance import instance
+from vibrom.config.errors import closest
+from vibrom.config.kinds import Name
 from vibrom.experiments import Experiment, Given, experiment
 
 KINDS = ("scene", "model", "models")
@@ -61,12 +65,20 @@ class Case:
     seed: int | None = None  # the first of the run, of models that are fitted in the study
     device: str = "cpu"  # where these are fitted
 
+    def settings(self, name: str) -> Mapping[str, Any]:
+        """An experiment's settings in this scene."""
+        known: Mapping[str, Mapping[str, Any]] = self.scene["experiments"]
+        if name not in known:
+            cure = "add it to the scene's file, or leave the scene out of the study"
+            raise StudyError(f"the scene has no experiments.{name}, which the study needs; {cure}")
+        return known[name]
+
     def question(self, name: str) -> Experiment:
         """An experiment with the settings of this scene."""
-        return experiment(name, self.scene["experiments"].get(name))
+        return experiment(name, self.settings(name))
 
-    def truth(self, name: str) -> xr.Dataset | None:
-        """What answers to an experiment are compared with; None where there is nothing."""
+    def truth(self, name: str) -> Any:
+        """The dataset that answers to an experiment are compared with; None where there is none."""
         truth = self.question(name).truth
         return None if truth is None else self.full_order[truth]
 
@@ -88,9 +100,13 @@ class Case:
 class Study:
     """The fields of a class below are its settings."""
 
+    # those that are studied, of those of the run; null: all of these
+    scenes: list[Name] | None = field(default=None, kw_only=True)
+
     jobs: ClassVar[Mapping[str, str]] = {}
     reads: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     experiments: ClassVar[tuple[str, ...]] = ()
+    settings: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     parts: ClassVar[Mapping[str, str]] = {}
 
     def of_scene(self, case: Case) -> xr.Dataset:
@@ -129,10 +145,9 @@ def plug(name: str) -> type[Study]:
         if isinstance(item, type) and issubclass(item, Study) and item.__module__ == module.__name__
     ]
     if len(found) != 1 or found[0].__name__.lower() != name.replace("_", ""):
-        raise StudyError(
-            f"studies/{name}.py defines {', '.join(item.__name__ for item in found) or 'no study'}; "
-            "define exactly one subclass of Study, and name it like the file"
-        )
+        names = ", ".join(item.__name__ for item in found) or "no study"
+        cure = "define exactly one subclass of Study, and name it like the file"
+        raise StudyError(f"studies/{name}.py defines {names}; {cure}")
     if unknown := sorted(set(found[0].jobs) - set(KINDS)):
         raise StudyError(
             f"studies/{name}.py: jobs: {unknown[0]!r} is no kind of job; "
@@ -142,5 +157,15 @@ def plug(name: str) -> type[Study]:
 
 
 def study(name: str, settings: Mapping[str, Any]) -> Study:
-    """The study of this name, with these settings."""
-    return instance(plug(name), settings, f"studies.{name}", StudyError)
+    """The study of this name with these settings; those that a job does not depend on stay away."""
+    kind = plug(name)
+    types, known = get_type_hints(kind, include_extras=True), [item.name for item in fields(kind)]
+    made = object.__new__(kind)
+    for key, value in settings.items():
+        if key not in known:
+            raise StudyError(f"studies.{name}.{key} is no setting; {closest(key, known)}")
+        try:
+            object.__setattr__(made, key, msgspec.convert(value, types[key]))
+        except msgspec.ValidationError as wrong:
+            raise StudyError(f"studies.{name}.{key}: {wrong}; change it") from wrong
+    return made

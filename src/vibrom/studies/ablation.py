@@ -11,7 +11,7 @@ be left out alone; without mass everywhere only the static response is left.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
@@ -34,6 +34,7 @@ from vibrom.studies import Case, Study
 from vibrom.studies.parts.records import Column, stacked, text
 from vibrom.term import SceneError, Term
 
+LENGTHS = ("decay_periods", "forced_periods", "timed_periods", "repeats")
 WHOLE = "nothing"  # the effect that the whole scene leaves out
 LEFT_OUT, PROBE = "left_out", ("probe",)
 COLUMNS = {
@@ -123,7 +124,7 @@ class Ablation(Study):
         runs = Runs(
             whole,
             whole.rest + release,
-            float(case.scene["experiments"]["forced"]["forcing"]),
+            float(case.settings("forced")["forcing"]),
             every,
             self.decay_periods * per_period,
             self.forced_periods * per_period,
@@ -164,7 +165,7 @@ class Ablation(Study):
                     "last_time", last, "s", "time in the last period of the forced run"
                 ),
             },
-            attrs=asdict(self),
+            attrs={name: getattr(self, name) for name in LENGTHS},
         )
 
 

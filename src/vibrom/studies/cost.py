@@ -78,7 +78,6 @@ class Sweep:
 class Cost(Study):
     """What is varied, and how often a time is taken."""
 
-    scenes: list[Name]  # those that are studied, of those of the run
     repeats: Count  # a time is the median of so many runs
     patience: NonNegative  # s; what took longer in all is not repeated
     full_order: FullOrder
@@ -98,6 +97,10 @@ class Cost(Study):
         ),
     }
     experiments = ("decay", "forced", "frc")
+    settings = {
+        "scene": ("repeats", "patience", "full_order"),
+        "models": ("repeats", "patience", "reduced"),
+    }
     parts = {
         "scene": "studies.parts.cost_full_order",
         "models": "studies.parts.cost_reduced",

@@ -38,7 +38,6 @@ class FullOrder:
 class Robustness(Study):
     """The grid of runs."""
 
-    scenes: list[Name]  # those that are studied, of those of the run
     # of one and the same fitted model; the first is what the others are compared with
     guards: Annotated[dict[Name, Guards], Meta(min_length=1)]
     # the first one for every guard, the others with the first guard
@@ -65,6 +64,18 @@ class Robustness(Study):
         ),
     }
     experiments = ("decay", "forced", "frc", "eigenvalues")
+    settings = {
+        "scene": ("full_order",),
+        "model": (
+            "guards",
+            "integrators",
+            "forcing",
+            "frequency",
+            "periods",
+            "releases",
+            "beyond",
+        ),
+    }
     parts = {
         "scene": "studies.parts.robustness_full_order",
         "model": "studies.parts.robustness_model",

@@ -64,7 +64,7 @@ def _sum(weights, count, stages, i):
 
 @part
 def _stage(s, target, flow, lanes, tableau, scratch):
-    """K_s, evaluated at the state that it fills `target` with."""
+    """k_s, evaluated at the state that it fills `target` with."""
     step = get(lanes.step, 0, WIDTH)
     for i in range(len(target)):
         rise = _sum(tableau.weights[s], s, scratch.stages, i)

@@ -77,7 +77,7 @@ class Question:
         first = 0 if drive is None else self.periods - 1
         instants = model.period * np.arange(first * SAMPLES, self.periods * SAMPLES + 1) / SAMPLES
         run = model.motion(self.start[None], drive, Watch(instants))
-        return run.displacement[0][0], run.seconds, Outcome(run.outcome[0])
+        return run.displacement[0][0], run.seconds, Outcome(str(run.outcome[0]))
 
     def brief(self) -> Question:
         """The same question, small and short: evaluated first, so that it compiles."""
@@ -90,7 +90,7 @@ def made(study: Cost, case: Case) -> xr.Dataset:
     model = FullOrder.of_scene(dict(case.scene), case.structure)
     shape = case.full_order["release"]["displacement"].sel(role="test").values
     start = np.concatenate([shape, np.zeros_like(shape)])
-    forcing = float(case.scene["experiments"]["forced"]["forcing"])
+    forcing = float(case.settings("forced")["forcing"])
     questions = {
         "decay": Question(start, case.scene["record"]["periods"]),
         "forced": Question(0.0 * start, study.full_order.forced_periods, forcing),

@@ -61,7 +61,8 @@ def made(
 ) -> tuple[list[tuple[dict[str, Any], dict[str, Measured]]], dict[str, dict[str, float]]]:
     """What each mesh is, and its answers; and question -> the reference's own error [%]."""
     finest = study.full_order.reference_mesh
-    half = tuple(max(1, count // 2) for count in finest.cells)
+    columns, rows = finest.cells
+    half = max(1, columns // 2), max(1, rows // 2)
     listed = [
         (element, cells) for element, sizes in study.full_order.meshes.items() for cells in sizes
     ]
@@ -103,7 +104,7 @@ def solved(study: Cost, case: Case, element: str, cells: tuple[int, int], *, rep
         "residual": model.newmark.tolerance,
         "first_frequency": omega,
     }
-    forcing = float(case.scene["experiments"]["forced"]["forcing"])
+    forcing = float(case.settings("forced")["forcing"])
     driven(replace(model, steps_per_period=2), 0.0, 1)  # compiles
     (displacement, outcome), run_seconds, runs = repeated(
         lambda: driven(model, forcing, study.full_order.mesh_periods), repeats, study.patience
@@ -145,4 +146,4 @@ def driven(
     steps = np.arange((periods - 1) * model.samples, periods * model.samples + 1)
     watch = Watch(model.period * steps / model.samples)
     run = model.motion(np.zeros((1, 2 * model.size)), drive, watch)
-    return (run.displacement[0][0], Outcome(run.outcome[0])), run.seconds
+    return (run.displacement[0][0], Outcome(str(run.outcome[0]))), run.seconds

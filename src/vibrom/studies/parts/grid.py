@@ -32,7 +32,7 @@ class Cases:
     draw: np.ndarray  # uniform in [0, 1), of which the direction of the release state is made
 
     def start(self, reach: np.ndarray) -> np.ndarray:
-        """z (b, r): each oscillator at its own angle, all at the radius."""
+        """Reduced coordinates (b, r): each oscillator at its own angle, all at the radius."""
         angle = 2 * np.pi * ((self.draw[:, None] + np.sqrt(2.0) * np.arange(len(reach) // 2)) % 1.0)
         return self.radius[:, None] * np.concatenate([np.cos(angle), np.sin(angle)], axis=1) * reach
 

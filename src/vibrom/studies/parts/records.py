@@ -37,7 +37,8 @@ def stacked(
         for place, record in enumerate(records):
             values[place] = record.get(name, column.missing)
         values = values.reshape(*along.values(), *shape)
-        values = np.frompyfunc(str, 1, 1)(values) if kind is object else values
+        if kind is object:  # the words of outcomes
+            values = np.array(np.frompyfunc(str, 1, 1)(values), dtype=object)
         found[name] = variable((*along, *column.dims), values, column.units, column.about)
     return found
 

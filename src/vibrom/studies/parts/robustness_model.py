@@ -185,8 +185,8 @@ class Bench:
     def record(self, rom: Rom, integrator: Integrator) -> dict[str, Any]:
         """Of a model with an integrator."""
         model = Reduced.of_scene(rom, self.case.structure, integrator)
-        forcing = float(self.case.scene["experiments"]["frc"]["forcing"])
-        ended = grid.ended(model, self.chosen, forcing, self.study.periods)
+        forcing, periods = float(self.case.settings("frc")["forcing"]), self.study.periods
+        ended = grid.ended(model, self.chosen, forcing, periods)
         record = dict(zip(("outcome", "failed_at", "range_ratio"), ended))
         (fitted,) = self.case.fitted
         of_run = integrator == Integrator(**self.case.integrator)
@@ -207,7 +207,7 @@ class Bench:
     def answers_of_run(self, fitted: Fitted) -> dict[str, Any]:
         """What the run has of the scene's questions."""
         curve = fitted.answers["frc"]
-        record = {"frc_outcome": curve["outcome"].values}
+        record: dict[str, Any] = {"frc_outcome": curve["outcome"].values}
         if curve.attrs.get("answered", 0):
             record["frc_amplitude"] = curve["amplitude"].values[0]
         for name, (question, score) in SCORES.items():
@@ -218,7 +218,7 @@ class Bench:
         """The same of a model that the run does not have."""
         given = self.case.given
         curve = self.case.question("frc").ask(model, given)
-        record = {
+        record: dict[str, Any] = {
             "frc_outcome": curve["outcome"].values,
             "frc_amplitude": curve["amplitude"].values[0],
         }
