@@ -6,7 +6,7 @@ import pytest
 import studies
 from small_run import FAILED, SmallRun, altered, failed
 
-from vibrom.report.collection import Collection
+from vibrom.report.collection import Collection, Key
 from vibrom.report.scores import Scores
 
 
@@ -24,10 +24,12 @@ def real(small):
 
 @pytest.fixture(scope="session")
 def collection(real):
-    """With failures, and with an ablation of the case small."""
-    failures = {(*model, name): failed for model in FAILED for name in ("forced", "frc")}
-    study = {("small", "full_order", None, "ablation"): lambda _: studies.ablation()}
-    return altered(real, failures | study)
+    """With failures, and of the studies an ablation of the case small alone."""
+    own = ("ablation", "cost_full_order", "cost_reduced", "robustness")
+    changes = dict.fromkeys(key for key in real.loaders if key.name in own)
+    changes |= {(*model, name): failed for model in FAILED for name in ("forced", "frc")}
+    changes[Key("small", "full_order", None, "ablation")] = lambda _: studies.ablation()
+    return altered(real, changes)
 
 
 @pytest.fixture(scope="session")

@@ -34,7 +34,38 @@ scene_settings:
     releases: {train: {forcing: 600.0, step: 250}, test: {forcing: 600.0, step: 200}}
 method_settings:
   split: {epochs: 2, rank: 6}
-studies: {ablation: null, cost: null, robustness: null}
+studies:
+  ablation: {decay_periods: 2, forced_periods: 2, timed_periods: 1, repeats: 1}
+  cost:
+    scenes: [large]
+    repeats: 1
+    full_order:
+      schemes: [{alpha: 0.0, initial_acceleration: equilibrium}]
+      steps_per_period: [50, 100]
+      residuals: [1.0e-4]
+      forced_periods: 1
+      reference: {steps_per_period: 400, residual: 1.0e-8}
+      meshes: {bilinear: [[4, 1], [8, 2]], quadratic: [[4, 1]]}
+      reference_mesh: {element: quadratic, cells: [8, 2]}
+      mesh_periods: 1
+      mesh_steps_per_period: 100
+    reduced:
+      modal_projection: []
+      ssmlearn: null
+      ssmlearn_11: null
+      decoupled_autoencoder: null
+      sindy_autoencoder: null
+      split: []
+      split_plus: [{vary: [rtol], over: [1.0e-3]}]
+  robustness:
+    scenes: [large]
+    guards: {none: {}, bounded: {extrapolation: linear}, dissipative: null, dissipative_9: null}
+    integrators: {tight: {rtol: 1.0e-4, atol: 1.0e-6}, loose: null, implicit: null}
+    forcing: [1.0]
+    frequency: {count: 2}
+    periods: 2
+    releases: 2
+    full_order: {steps_per_period: [50], alpha: [0.0], periods: 2, every_frequency: 4}
 """
 DIVERGES = ("large", "split_plus", 1)  # whose training ends in infinity
 
@@ -53,6 +84,9 @@ class SmallRun:
             for method in self.settings.methods:
                 for seed in self.settings.seed_folders(method):
                     self.model(scene, method, seed)
+        for name, block in self.settings.studies.items():
+            for scene in block.get("scenes", self.settings.scenes):
+                self.study(scene, name)
 
     def step(self, step: str, output: str, path: str, /, **given) -> str:
         """One artefact."""
@@ -135,17 +169,69 @@ class SmallRun:
             losses=str(self.results / home / "losses.nc"),
             structure=self.at(scene, "structure"),
             train=self.at(scene, "train"),
-            scene_name=scene,
-            method=method,
-            kind=kind,
-            settings=chosen,
-            seed=seed,
-            device="cpu",
+            recipe={
+                "scene": scene,
+                "method": method,
+                "kind": kind,
+                "settings": chosen,
+                "seed": seed,
+                "device": "cpu",
+            },
             start=start and self.at(scene, "rom", "/".join(start)),
         )
         rom = self.at(scene, "rom", f"{method}/{folder}")
         for name in self.in_order():
             self.ask(scene, f"{method}/{folder}", seed, name, rom=rom)
+
+    def study(self, scene: str, name: str) -> None:
+        """All artefacts of a study, as workflow/rules/studies.smk has it."""
+        about, chosen = plugs.constants("studies", name), self.settings.studies[name]
+        models = [
+            f"{method}/{folder}"
+            for method in self.settings.methods
+            for folder in self.settings.seed_folders(method)
+        ]
+        for kind, artefact in about["jobs"].items():
+            reads = about["reads"].get(kind, ())
+            own = ["rom", *(need for need in reads if "/" not in need)]
+            known = [self.at(scene, need.split("/")[1]) for need in reads if "/" in need]
+            asked = {"scene": [[]], "model": [[model] for model in models], "models": [models]}
+            for fitted in asked[kind]:
+                of_model = fitted[0] if kind == "model" else "full_order"
+                method, _, folder = of_model.partition("/")
+                seed = folder.removeprefix("seed_")
+                self.step(
+                    "study",
+                    "output",
+                    f"{scene}/{of_model}/{artefact}.nc",
+                    study={"name": name, "kind": kind, "settings": chosen},
+                    names={
+                        "scene": scene,
+                        "method": method,
+                        "seed": int(seed) if seed.isdigit() else None,
+                    },
+                    case=self.case(scene, kind),
+                    structure=self.at(scene, "structure"),
+                    full_order=known,
+                    fitted=[self.at(scene, need, model) for model in fitted for need in own],
+                )
+
+    def case(self, scene: str, kind: str) -> dict:
+        """What a study knows besides artefacts."""
+        case = {"scene": self.settings.scenes[scene].to_builtins()}
+        if kind != "scene":
+            case["integrator"] = self.settings.integrator
+        if kind == "models":
+            case |= {"methods": {}, "seed": self.settings.seeds[0], "device": "cpu"}
+            for method, file in self.settings.methods.items():
+                block = file.to_builtins()
+                case["methods"][method] = {
+                    "kind": self.settings.kind_of(method),
+                    "settings": block["settings"],
+                    "seeded": block["seeded"],
+                    "start": block.get("starts_from"),
+                }
+        return case
 
 
 # The forced runs and response curves that blow up: one seed of two, and a model's only run.

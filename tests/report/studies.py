@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import label, variable
-from vibrom.studies import grid
+from vibrom.studies.parts import grid
 
 OMEGA, PERIOD = 400.0, 2 * np.pi / 400.0
 PROBES = ["probe", "tip"]
@@ -49,7 +49,7 @@ def ablation():
         "seconds_per_step": ("left_out", 2e-5 * known * [1, 1, 0.5, 1], "s"),
         "seconds_ratio": ("left_out", known * [1, 1, 2, 1], "1"),
         "outcome": ("left_out", text(["ok", "needed", "ok", "no_convergence"]), "1"),
-        "needed_by": ("left_out", text(["", "modal_load", "", ""]), "1"),
+        "needed_by": ("left_out", text(["", "modal_load inertia", "", ""]), "1"),
         "failed_at": ("left_out", [np.nan, np.nan, np.nan, 0.01], "s"),
     }
     coords = {"left_out": left_out, "time": time, "last_time": last, "probe": text(PROBES)}

@@ -8,15 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import studies
-from small_run import altered
 
 from vibrom.report import figures, outputs, tables
 from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
 
 EXPERIMENTS = ["decay", "backbone"]  # one with a table of its own, one without
-SCENES = {"robustness": ["folding"]}  # of the others: small and large
+SCENES = {"cost": ["large"], "robustness": ["large"]}  # of the others: small and large
 FAMILY = {
     name: family
     for family in outputs.families()
@@ -35,25 +33,12 @@ UNITS = re.compile(r"\[[^\]]+\]")
 
 
 @pytest.fixture(scope="module")
-def everything(collection):
-    """The run with all studies."""
-    more = {
-        ("small", "full_order", None, "cost_full_order"): studies.cost_full_order,
-        ("small", "full_order", None, "cost_reduced"): studies.cost_reduced,
-        ("folding", "full_order", None, "frc"): studies.response_curve,
-        ("folding", "full_order", None, "robustness"): studies.coarse_steps,
-        ("folding", "split", 0, "robustness"): lambda: studies.robustness(0, 3, studies.TRUTH, 2.0),
-    }
-    return altered(collection, {key: lambda _, make=make: make() for key, make in more.items()})
-
-
-@pytest.fixture(scope="module")
-def of(everything):
+def of(real):
     """What a family is made from, and its scores."""
 
     def chosen(family: str) -> tuple[Collection, Scores]:
         scenes = SCENES.get(family, ["small", "large"])
-        loaders = everything.loaders.items()
+        loaders = real.loaders.items()
         part = Collection({key: made for key, made in loaders if key.scene in scenes})
         return part, Scores.of(part)
 
@@ -93,13 +78,9 @@ def test_every_axis_says_what_it_shows_in_which_unit(of, name):
 
 
 @pytest.mark.parametrize("name", FAMILY)
-def test_a_run_with_nothing_but_its_structure_still_has_every_output(everything, name):
-    scenes = SCENES.get(FAMILY[name], ["small", "large"])
-    bare = ("structure", "rom", "frc" if "folding" in scenes else "")
-    loaders = everything.loaders.items()
-    left = Collection(
-        {key: made for key, made in loaders if key.name in bare and key.scene in scenes}
-    )
+def test_a_run_with_nothing_but_its_structure_still_has_every_output(of, name):
+    loaders = of(FAMILY[name])[0].loaders.items()
+    left = Collection({key: made for key, made in loaders if key.name in ("structure", "rom")})
     if name in TABLES:
         assert tables.render(tables.make(name, left, Scores([])), "csv", "").startswith(b"case")
     else:

@@ -68,7 +68,7 @@ def test_a_model_that_could_not_be_fitted_says_why(collection, scores, name, oth
 
 def test_effects_that_cannot_be_left_out_say_who_needs_them(drawn):
     text = words(drawn("ablation_small"))
-    assert "needed by\n modal load" in text and "did not converge" in text
+    assert "needed by\n modal load\n inertia" in text and "did not converge" in text
     assert "without damping: decay NMTE 16 %" in text
     # Decay, forced run and seconds: of the others there is nothing to draw.
     assert len(drawn("ablation_small").axes) == 3

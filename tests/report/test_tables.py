@@ -292,4 +292,4 @@ def test_the_ablation_stands_beside_the_whole_scene(made):
     assert printed.loc["damping", "ω1 [rad/s]"] == "400.0"  # nothing changed, nothing beside it
     assert made["ablation"].printed.marks == [REFERENCE, "", "", FAILED]
     assert rows["elasticity"]["outcome"] is Outcome.NEEDED
-    assert rows["elasticity"]["needed_by"] == "modal_load"
+    assert rows["elasticity"]["needed_by"] == "modal_load inertia"

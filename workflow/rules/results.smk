@@ -34,17 +34,6 @@ FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 
 
-def studied(study):
-    """The scenes of this run that a study is about."""
-    block = SETTINGS.studies.get(study)
-    return [] if block is None else [name for name in block.get("scenes", SCENES) if name in SCENES]
-
-
-COST_NAMES = [*FULL_ORDER_NAMES, "cost_full_order", "cost_reduced"]
-ROBUSTNESS = of_full_order(studied("robustness"), ["frc", "robustness"])
-ROBUSTNESS += of_models(studied("robustness"), ["robustness"])
-
-
 class Family(NamedTuple):
     """Tables and figures that are made from one set of artefacts."""
 
@@ -52,16 +41,31 @@ class Family(NamedTuple):
     artefacts: list
 
 
-FAMILIES = {
-    # What guards promise is among the checks.
-    "models": Family(list(SCENES), ARTEFACTS + ROBUSTNESS),
-    "cost": Family(studied("cost"), of_full_order(studied("cost"), COST_NAMES)),
-    "ablation": Family(studied("ablation"), of_full_order(studied("ablation"), ["ablation"])),
-    "robustness": Family(studied("robustness"), ROBUSTNESS),
-}
+def of_study(study):
+    """The artefacts of a study, of the scenes' structures, and of what it reads of the full order."""
+    reads = [need for needs in STUDIES[study]["reads"].values() for need in needs]
+    known = [need.removeprefix("full_order/") for need in reads if need.startswith("full_order/")]
+    return study_files(study) + of_full_order(STUDY_SCENES[study], ["structure", *known])
+
+
+def artefacts_of(family):
+    """Its own, and those of other studies that its tables and figures need."""
+    own = ARTEFACTS if family == outputs.MODELS else of_study(family)
+    others = [study for study in outputs.also(family) if study in STUDIES]
+    return list(dict.fromkeys(own + [path for study in others for path in of_study(study)]))
+
+
 for NAME in outputs.families():
-    if NAME not in FAMILIES:
-        sys.exit(f"vibrom: FAMILY {NAME!r} of a table or figure: choose from {', '.join(FAMILIES)}")
+    if NAME not in (outputs.MODELS, *names("studies")):
+        sys.exit(
+            f"vibrom: FAMILY {NAME!r} of a table or figure is no study; see src/vibrom/studies"
+        )
+SHOWN_SCENES = {outputs.MODELS: list(SCENES), **STUDY_SCENES}
+FAMILIES = {
+    name: Family(SHOWN_SCENES[name], artefacts_of(name))
+    for name in outputs.families()
+    if name in SHOWN_SCENES
+}
 PRESENT = [name for name, family in FAMILIES.items() if family.scenes]
 TABLES = {name: outputs.tables(name, SETTINGS.experiments) for name in PRESENT}
 FIGURES = {name: outputs.figures(name, FAMILIES[name].scenes) for name in PRESENT}

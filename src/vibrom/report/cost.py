@@ -43,9 +43,9 @@ def missing(collection: Collection, what: str) -> list[dict]:
 def answers(dataset: xr.Dataset, setting: int) -> dict[str, Answer]:
     """Question -> answer."""
     row = dataset.isel(setting=setting)
-    columns = (row[name].values for name in ("error", "seconds", "outcome"))
+    columns = (row[name].values.tolist() for name in ("error", "seconds", "outcome"))
     return {
-        str(name): Answer(float(error), float(seconds), Outcome(str(word)))
+        str(name): Answer(error if np.isfinite(error) else np.nan, seconds, Outcome(str(word)))
         for name, error, seconds, word in zip(dataset["question"].values, *columns)
     }
 

@@ -2,9 +2,10 @@
 
 A table is a file in report/tables, a figure one in report/figures. Its docstring is its caption: a
 title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or the name of a study;
-PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene"; and
-GLANCE of a figure that stands near the top of the page. An experiment without a table of its own
-has one of its scores.
+PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene".
+A figure with GLANCE stands near the top of the page. ALSO names studies whose artefacts a table or
+figure needs besides those of its family. An experiment without a table of its own has one of its
+scores.
 """
 
 import ast
@@ -92,6 +93,13 @@ def drawing(name: str, scenes: Iterable[str]) -> Drawing:
     if name not in found:
         raise ValueError(f"figure {name!r}: unknown; choose from {', '.join(found)}")
     return found[name]
+
+
+def also(family: str) -> list[str]:
+    """The other studies that the tables and figures of a family need."""
+    every = [constants for kind in FORMATS for constants in _listed(kind).values()]
+    named = [item.get("ALSO", ()) for item in every if item["FAMILY"] == family]
+    return list(dict.fromkeys(study for studies in named for study in studies))
 
 
 def at_a_glance(plug: str) -> bool:

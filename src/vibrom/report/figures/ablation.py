@@ -86,6 +86,6 @@ def cost(panel, study) -> None:
 def why(less) -> str:
     """An effect cannot be left out alone, or what is left cannot be evaluated."""
     if outcome(less) is Outcome.NEEDED:
-        others = str(scalar(less, "needed_by", "another")).replace("_", " ").split(", ")
-        return "\n ".join(["needed by", *others])
+        others = str(scalar(less, "needed_by", "another")).split()
+        return "\n ".join(["needed by", *others]).replace("_", " ")
     return outcome(less).sentence

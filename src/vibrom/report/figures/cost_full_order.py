@@ -16,7 +16,7 @@ from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, described
 from vibrom.report.drawing import panels, style
 from vibrom.report.drawing.cost import NOT_STUDIED
-from vibrom.studies.work_precision import observed_order
+from vibrom.studies.parts.work_precision import observed_order
 
 FAMILY = "cost"
 PLACE = 610

@@ -13,7 +13,7 @@ from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, scalar
 from vibrom.report.drawing import cost as drawing
 from vibrom.report.drawing import panels
-from vibrom.studies.work_precision import front
+from vibrom.studies.parts.work_precision import front
 from vibrom.thesis.labels import label
 
 FAMILY = "cost"

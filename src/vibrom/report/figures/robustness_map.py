@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report import robustness
 from vibrom.report.drawing import panels
-from vibrom.studies.grid import KINDS
+from vibrom.studies.parts.grid import KINDS
 from vibrom.thesis.labels import label
 
 FAMILY = "robustness"

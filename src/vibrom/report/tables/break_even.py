@@ -13,7 +13,7 @@ from vibrom.report import curves
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import CASE, METHOD, OUTCOME, Column, as_given
 from vibrom.report.scores import spread
-from vibrom.studies.work_precision import break_even
+from vibrom.studies.parts.work_precision import break_even
 from vibrom.thesis import published as thesis
 
 FAMILY = "models"

@@ -14,7 +14,7 @@ from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import CASE, METHOD, OUTCOME, Column
 from vibrom.report.table import REFERENCE, printed
-from vibrom.studies.work_precision import cheapest
+from vibrom.studies.parts.work_precision import cheapest
 
 FAMILY = "cost"
 PLACE = 130

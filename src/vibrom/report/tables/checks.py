@@ -38,6 +38,7 @@ from vibrom.thesis import promises, published
 
 FAMILY = "models"
 PLACE = 90
+ALSO = ["robustness"]  # what guards promise
 COLUMNS = (
     CASE,
     METHOD,

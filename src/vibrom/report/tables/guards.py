@@ -15,7 +15,7 @@ from vibrom.artefacts.outcome import Tally
 from vibrom.report import robustness
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
 from vibrom.report.scores import spread
-from vibrom.studies.grid import rises
+from vibrom.studies.parts.grid import rises
 
 FAMILY = "robustness"
 PLACE = 320
