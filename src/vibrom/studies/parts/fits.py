@@ -115,15 +115,15 @@ class Fits:
         """The model of a recipe; `skipped` where its settings do not go together."""
         try:
             if recipe.key not in self.known:
-                self.known[recipe.key] = self._fit(recipe)
+                self.known[recipe.key] = self.fit(recipe)
             return self.known[recipe.key]
         except MethodError as error:
             print(f"{recipe.kind}: {dict(recipe.settings)} is skipped: {error}", file=sys.stderr)
-            return Fit(None, Outcome.SKIPPED, self._selected(recipe)[1])
+            return Fit(None, Outcome.SKIPPED, self.selected(recipe)[1])
 
-    def _fit(self, recipe: Recipe) -> Fit:
+    def fit(self, recipe: Recipe) -> Fit:
         """Medians of a few fits, after one that loads libraries at their first use."""
-        motion, data = self._selected(recipe)
+        motion, data = self.selected(recipe)
         start = None if recipe.start is None else self.of(recipe.start)
         fit = Fit(None, Outcome.OK, data, 0.0 if start is None else start.mapping)
         if not self.recorded:
@@ -150,7 +150,7 @@ class Fits:
         mapping += fit.mapping
         return replace(fit, rom=rom, mapping=mapping, dynamics=dynamics, fits=fits)
 
-    def _selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
+    def selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
         """The training motion that is used, and the seconds that its simulation took."""
         time, share = self.motion.time - self.motion.time[0], 1.0
         end = len(time)
