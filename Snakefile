@@ -10,7 +10,13 @@ import re
 import sys
 from pathlib import Path
 
-import vibrom
+try:
+    import vibrom
+except ImportError:
+    sys.exit(
+        f"vibrom: the package is not installed for {sys.executable}; activate its environment, or "
+        "make one (see README.md)"
+    )
 
 ROOT = Path(workflow.basedir)
 OWN, RUNNING = ROOT / "src/vibrom", Path(vibrom.__file__).parent

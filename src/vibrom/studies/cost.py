@@ -9,12 +9,21 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from vibrom.config.kinds import Cells, Count, Element, Fraction, Name, NonNegative, Several
+from vibrom.config.kinds import (
+    Cells,
+    Count,
+    Distinct,
+    Element,
+    Fraction,
+    Name,
+    NonNegative,
+    Several,
+)
 from vibrom.studies import Study
 
 Residual = Annotated[float, Meta(ge=1e-10, le=0.1)]
 Steps = Annotated[int, Meta(ge=50, multiple_of=50)]
-Meshes = Annotated[list[Cells], Meta(extra_json_schema={"uniqueItems": True})]
+Meshes = Distinct[Cells]
 
 
 @dataclass(frozen=True)

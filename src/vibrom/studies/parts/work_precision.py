@@ -12,7 +12,7 @@ import numpy as np
 def observed_order(
     size: np.ndarray, error: np.ndarray, *, floor: float = 0.0, ceiling: float = np.inf
 ) -> float:
-    """P of  error ~ size^p  by least squares of the logarithms, over the errors between `floor`
+    """p of  error ~ size^p  by least squares of the logarithms, over the errors between `floor`
     (below it the reference's own error shows) and `ceiling` (above it nothing has converged yet);
     NaN with fewer than two of them.
     """
