@@ -116,8 +116,11 @@ def test_what_is_varied_is_evaluated_and_a_tolerance_needs_no_new_fit(case, monk
     assert [how.thin for how in fitted] == [2]
     varied_ones = dataset.isel(setting=dataset["varied"].values != "as configured")
     assert varied_ones["value"].values.tolist() == ["0.0001", "2", "0.01"]
-    # The model is exact; of forced runs it misses what the full order's own steps miss.
-    assert (varied_ones["error"].values < 0.5).all() and (varied_ones["calls"].values == 1).all()
+    # The model is exact: of forced runs it misses what the full order's own steps miss, and more
+    # where it is integrated loosely.
+    errors = varied_ones["error"].values
+    assert (errors[:2] < 0.1).all() and (errors[2] > errors[0]).all()
+    assert (varied_ones["calls"].values == 1).all()
     assert varied_ones["mapping_seconds"].values.tolist()[0] == 3.0
 
 
