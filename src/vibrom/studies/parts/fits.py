@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from statistics import median
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from vibrom.methods import method_from_settings
 from vibrom.models.method import Method
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rom import Rom, rom_from_dataset
-from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged, Trajectory
+from vibrom.models.training import Clock, MethodError, Training, TrainingDiverged, Trajectory
 from vibrom.studies import Case, Fitted
 from vibrom.studies.parts.timing import Measured, repeated
 
@@ -76,22 +74,6 @@ class Fit:
         return {f"{name}_seconds": value for name, value in seconds.items()} | {"fits": self.fits}
 
 
-class Clock(Monitor):
-    """Seconds of each phase of a fit."""
-
-    def __init__(self) -> None:
-        self.seconds = {"mapping": 0.0, "dynamics": 0.0}
-
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Adds to a phase."""
-        began = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[name] += perf_counter() - began
-
-
 class Fits:
     """The training data of a scene, and the models that were fitted to it."""
 
@@ -105,7 +87,6 @@ class Fits:
             (self.motion,), structure(case.structure), seed=case.seed, device=case.device
         )
         self.known: dict[str, Fit] = {}
-        self.warm: set[str | None] = set()
 
     def add(self, recipe: Recipe, model: Fitted, answers: Mapping[str, Measured]) -> None:
         """A model that the run has fitted."""
@@ -115,15 +96,15 @@ class Fits:
         """The model of a recipe; `skipped` where its settings do not go together."""
         try:
             if recipe.key not in self.known:
-                self.known[recipe.key] = self._fit(recipe)
+                self.known[recipe.key] = self.fit(recipe)
             return self.known[recipe.key]
         except MethodError as error:
             print(f"{recipe.kind}: {dict(recipe.settings)} is skipped: {error}", file=sys.stderr)
-            return Fit(None, Outcome.SKIPPED, self._selected(recipe)[1])
+            return Fit(None, Outcome.SKIPPED, self.selected(recipe)[1])
 
-    def _fit(self, recipe: Recipe) -> Fit:
-        """Medians of a few fits, after one that loads libraries at their first use."""
-        motion, data = self._selected(recipe)
+    def fit(self, recipe: Recipe) -> Fit:
+        """Medians of a few fits; mapping and dynamics together are all that a fit takes."""
+        motion, data = self.selected(recipe)
         start = None if recipe.start is None else self.of(recipe.start)
         fit = Fit(None, Outcome.OK, data, 0.0 if start is None else start.mapping)
         if not self.recorded:
@@ -135,22 +116,20 @@ class Fits:
 
         def call() -> tuple[Rom, float]:
             clocks.append(Clock())
-            return learnt(recipe.method(), training, clocks[-1])
+            rom = method.learn(replace(training, monitor=clocks[-1]))
+            return rom, clocks[-1].spent("total")
 
+        method = recipe.method()
         try:
-            if recipe.kind not in self.warm:
-                learnt(_brief(recipe).method(), training, Clock())
-                self.warm.add(recipe.kind)
-            rom, _, fits = repeated(call, self.repeats, self.patience)
+            method.prepare(self.training.device)
+            rom, total, fits = repeated(call, self.repeats, self.patience)
         except TrainingDiverged:
             return replace(fit, outcome=Outcome.TRAINING_DIVERGED)
-        mapping, dynamics = (
-            median(clock.seconds[name] for clock in clocks) for name in ("mapping", "dynamics")
-        )
-        mapping += fit.mapping
+        dynamics = median(clock.spent("dynamics") for clock in clocks)
+        mapping = fit.mapping + total - dynamics
         return replace(fit, rom=rom, mapping=mapping, dynamics=dynamics, fits=fits)
 
-    def _selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
+    def selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
         """The training motion that is used, and the seconds that its simulation took."""
         time, share = self.motion.time - self.motion.time[0], 1.0
         end = len(time)
@@ -162,19 +141,3 @@ class Fits:
         return Trajectory(*(getattr(self.motion, name)[kept] for name in parts)), (
             share * self.seconds
         )
-
-
-def learnt(method: Method, training: Training, clock: Clock) -> tuple[Rom, float]:
-    """A fitted model and the seconds that it took; what is in no phase counts as dynamics."""
-    began = perf_counter()
-    rom = method.learn(replace(training, monitor=clock))
-    seconds = perf_counter() - began
-    clock.seconds["dynamics"] = seconds - clock.seconds["mapping"]
-    return rom, seconds
-
-
-def _brief(recipe: Recipe) -> Recipe:
-    """The same in one epoch, where there are epochs."""
-    if "epochs" not in asdict(recipe.method()):
-        return recipe
-    return replace(recipe, settings={**recipe.settings, "epochs": 1})

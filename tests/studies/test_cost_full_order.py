@@ -2,17 +2,24 @@
 beam theory.
 """
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 from scenes import SLENDER, body
 from scipy.integrate import solve_ivp
 
-from vibrom import effects
+from vibrom import effects, studies
 from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.artefacts.outcome import Outcome
 from vibrom.bodies import space
+from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import nmte_percent
-from vibrom.steps import cost_full_order, structure
+from vibrom.solvers.full.newmark import Newmark, Record
+from vibrom.steps import structure, study
+from vibrom.studies import Case
+from vibrom.studies.parts import cost_full_order, cost_meshes
 
 PERIODS = 2
 SCENE = {
@@ -32,8 +39,8 @@ SCENE = {
         "residual": 1e-8,
         "initial_acceleration": "zero",
     },
-    "decay": {"periods": PERIODS},
-    "forced": {"forcing": 2e3, "periods": PERIODS},
+    "record": {"periods": PERIODS},
+    "experiments": {"forced": {"forcing": 2e3, "periods": PERIODS}},
 }
 SETTINGS = {
     "schemes": [
@@ -51,8 +58,13 @@ SETTINGS = {
 }
 
 
+def settings(**changes):
+    """Each setting is run once."""
+    return {"repeats": 1, "patience": 0.0, "full_order": SETTINGS | changes}
+
+
 @pytest.fixture(scope="module")
-def study(tmp_path_factory):
+def made(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cost")
     paths = {name: str(folder / f"{name}.nc") for name in ("structure", "release", "cost")}
     structure.run(structure=paths["structure"], scene=SCENE, name="slender", provenance={})
@@ -63,8 +75,14 @@ def study(tmp_path_factory):
         coords={"role": variable("role", np.array(["train", "test"], dtype=object), "1", "role")},
     )
     save_dataset(label(release, "release", scene="slender", method="full_order"), paths["release"])
-    cost_full_order.run(
-        **paths, scene=SCENE, settings=SETTINGS, repeats=1, patience=0.0, provenance={}
+    study.run(
+        output=paths["cost"],
+        study={"name": "cost", "kind": "scene", "settings": settings()},
+        names={"scene": "slender", "method": "full_order", "seed": None},
+        case={"scene": SCENE},
+        structure=paths["structure"],
+        full_order=[paths["release"]],
+        provenance={},
     )
     return (
         open_dataset(paths["structure"], "structure"),
@@ -80,12 +98,12 @@ def errors(dataset, question, **where):
     return dataset["error"].sel(question=question).values[chosen]
 
 
-def test_errors_are_those_against_an_integrator_of_order_eight(study):
-    known, start, dataset = study
-    made = space.build(SCENE["body"])
-    term = effects.assemble(made, SCENE["effects"])
+def test_errors_are_those_against_an_integrator_of_order_eight(made):
+    known, start, dataset = made
+    body_space = space.build(SCENE["body"])
+    term = effects.assemble(body_space, SCENE["effects"])
     mass, force = np.linalg.inv(term.mass.toarray()), term.forces[0]
-    n, kernel = made.size, term.forces[0].kernels(1)[0]
+    n, kernel = body_space.size, term.forces[0].kernels(1)[0]
 
     def rate(_, x):
         f = np.zeros((n, 1))
@@ -114,12 +132,10 @@ def test_errors_are_those_against_an_integrator_of_order_eight(study):
         .y[:n]
         .T
     )
-    from vibrom.solvers.full.newmark import Newmark, Record
-
     run = Newmark(tolerance=1e-8).run(
         term, start[:, None], np.array([period / 400]), 400 * PERIODS, record=Record(every=8)
     )
-    independent = nmte_percent(np.linalg.norm(run.displacement[0] - exact, axis=1), exact)
+    independent = nmte_percent(exact, run.displacement[0])
     (told,) = errors(dataset, "decay", study="step", alpha=0.0, steps_per_period=400)
     own = float(dataset["reference_error"].sel(question="decay"))
     # Two errors against two references differ by no more than the references do; that of SciPy is
@@ -127,8 +143,8 @@ def test_errors_are_those_against_an_integrator_of_order_eight(study):
     assert abs(told - independent) <= 1.5 * own and own < 0.02 * told
 
 
-def test_orders(study):
-    _, _, dataset = study
+def test_orders(made):
+    _, _, dataset = made
     for question in ("decay", "forced"):
         plain, damped = (
             errors(dataset, question, study="step", alpha=alpha) for alpha in (0.0, 0.02)
@@ -142,9 +158,9 @@ def test_orders(study):
         )
 
 
-def test_steps_that_are_no_multiple_of_the_samples_go_up_to_the_next(study):
+def test_steps_that_are_no_multiple_of_the_samples_go_up_to_the_next(made):
     """240 steps to the period of the scene, 50 samples: 250."""
-    _, _, dataset = study
+    _, _, dataset = made
     chosen = dataset["study"].values == "residual"
     assert (
         dataset["steps_per_period"].values[chosen].tolist() == [250]
@@ -152,11 +168,11 @@ def test_steps_that_are_no_multiple_of_the_samples_go_up_to_the_next(study):
     )
 
 
-def test_meshes_against_beam_theory(study):
+def test_meshes_against_beam_theory(made):
     """omega = 1.8751^2 sqrt(E I / (rho A)) / L^2 for a slender beam; shear and rotation take 0.6 %
     at L/h = 10.
     """
-    _, _, dataset = study
+    _, _, dataset = made
     exact = 1.875104**2 * np.sqrt(SLENDER["young_modulus"] * 0.1**2 / 12 / 440.0)
     mesh = dataset["study"].values == "mesh"
     element, omega = dataset["element"].values[mesh], dataset["first_frequency"].values[mesh]
@@ -170,22 +186,44 @@ def test_meshes_against_beam_theory(study):
 def test_a_mesh_without_a_node_for_an_effect_is_skipped():
     """x = 0.35 m is a node of 20 cells, and of 10 not."""
     scene = {**SCENE, "effects": {**SCENE["effects"], "tip_mass": {"at": [0.35, 0.0], "mass": 0.1}}}
-    settings = {**SETTINGS, "meshes": {"bilinear": [[10, 1], [20, 1]]}, "mesh_steps_per_period": 50}
-    rows, _ = cost_full_order.meshes(scene, settings, 1, 0.0)
-    outcomes = [[answer[3] for answer in row.answers.values()] for row in rows]
-    assert (
-        outcomes == [["skipped"] * 2, ["ok"] * 2]
-        and np.isnan(rows[0].answers["frequency"][0])
-        and rows[1].answers["frequency"][0] > 0
+    varied = settings(meshes={"bilinear": [[10, 1], [20, 1]]}, mesh_steps_per_period=50)
+    (first, second), _ = cost_meshes.made(
+        studies.study("cost", varied), Case(scene, structure=None)
     )
+    assert [answer.outcome for answer in first[1].values()] == [Outcome.SKIPPED] * 2
+    assert [answer.outcome for answer in second[1].values()] == [Outcome.OK] * 2
+    assert np.isnan(first[1]["frequency"].error) and second[1]["frequency"].error > 0
 
 
-def test_the_artefact_says_on_what_machine(study):
-    import json
+def test_a_setting_that_stands_in_both_lists_is_run_once(made, monkeypatch):
+    """The scene's residual at its own number of steps, which goes up to 250."""
+    known, _, _ = made
+    run, scene = [], {**SCENE, "time": {**SCENE["time"], "residual": 1e-3}}
 
-    hardware = json.loads(study[2].attrs["hardware"])
-    assert (
-        set(hardware) == {"processor", "cores", "memory_gib", "threads", "load", "system"}
-        and hardware["cores"] >= 1
+    def answer(question, model):
+        run.append((model.steps_per_period, model.newmark.tolerance))
+        return np.ones((2, 2)), 1.0, Outcome.OK
+
+    monkeypatch.setattr(cost_full_order.Question, "answer", answer)
+    varied = settings(schemes=SETTINGS["schemes"][:1], steps_per_period=[200, 250])
+    question = cost_full_order.Question(np.zeros(2), 1)
+    found = list(
+        cost_full_order.in_time(
+            studies.study("cost", varied),
+            Case(scene, known),
+            FullOrder.of_scene(scene, known),
+            {"decay": question},
+            {"decay": np.ones((2, 2))},
+        )
     )
-    assert (study[2]["calls"].values[study[2]["outcome"].values != "not asked"] == 1).all()
+    assert [record["study"] for record, _ in found] == ["step", "step", "residual"]
+    assert run == [(200, 1e-3), (250, 1e-3)] and found[1][1] is found[2][1]
+
+
+def test_the_artefact_says_on_what_machine(made):
+    _, _, dataset = made
+    hardware = json.loads(dataset.attrs["hardware"])
+    assert set(hardware) == {"processor", "cores", "memory_gib", "threads", "load", "system"}
+    assert hardware["cores"] >= 1
+    run = dataset["outcome"].values != Outcome.NOT_RUN
+    assert (dataset["calls"].values[run] == 1).all()

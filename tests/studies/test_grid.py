@@ -3,11 +3,17 @@
 import numpy as np
 import pytest
 from oscillators import DAMPING, OMEGA, linear_rom
-from vibrom.studies.grid import KINDS, SAMPLES, cases, let_go, rises, survive
 
+from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
+from vibrom.studies.parts.grid import KINDS, RELEASED, SAMPLES, cases, decays, ended, rises
 
 CHOSEN = cases([0.5, 1.0], np.linspace(0.7, 1.3, 5), 6, 1.3)
+
+
+def model(rom, integrator):
+    """In a scene with a unit load."""
+    return Reduced(rom, np.ones(1), np.zeros(1, np.int64), OMEGA, integrator)
 
 
 def test_cases_are_the_promised_ones_and_the_same_each_time():
@@ -35,18 +41,16 @@ def test_cases_are_the_promised_ones_and_the_same_each_time():
 
 
 def test_a_linear_oscillator_survives_and_its_energy_falls_as_it_must():
-    rom, integrator = linear_rom(), Integrator(1e-9, 1e-11)
-    outcome, failed_at, ratio = survive(
-        rom, CHOSEN, np.ones(1), 0.01 * OMEGA**2, OMEGA, 20, integrator
-    )
+    linear = model(linear_rom(), Integrator(1e-9, 1e-11))
+    outcome, failed_at, ratio = ended(linear, CHOSEN, 0.01 * OMEGA**2, 20)
     assert (
         set(outcome) <= {"ok", "left_range"}
         and np.isfinite(failed_at[outcome == "left_range"]).all()
         and np.isnan(failed_at[outcome == "ok"]).all()
     )
     assert (ratio[CHOSEN.radius > 1.1] > 1.0).all()
-    values, envelope = let_go(
-        rom, CHOSEN, OMEGA, 12, integrator, lambda q, v: 0.5 * (v**2 + OMEGA**2 * q**2).sum(axis=1)
+    values, envelope = decays(
+        linear, CHOSEN, 12, lambda q, v: 0.5 * (v**2 + OMEGA**2 * q**2).sum(axis=1)
     )
     assert (
         values.shape == envelope.shape == (6, 12)
@@ -58,7 +62,7 @@ def test_a_linear_oscillator_survives_and_its_energy_falls_as_it_must():
         values[:, 1:] / values[:, :-1], np.exp(-DAMPING * 2 * np.pi / OMEGA), rtol=1e-4
     )
     np.testing.assert_allclose(
-        envelope[:, 0] / CHOSEN.radius[CHOSEN.kind == 1],
+        envelope[:, 0] / CHOSEN.radius[CHOSEN.kind == RELEASED],
         1.0,
         atol=2 * np.pi * DAMPING / OMEGA + (np.pi / SAMPLES) ** 2 / 2,
     )
@@ -70,15 +74,15 @@ def test_runs_that_blow_up_say_when():
         **{name: getattr(fed, name) for name in fed.__dataclass_fields__}
         | {"dynamics": fed.dynamics * [[1.0, 1.0], [1.0, -10.0]]}
     )
-    outcome, failed_at, _ = survive(fed, CHOSEN, np.ones(1), 1.0, OMEGA, 60, Integrator())
-    released = CHOSEN.kind == 1
+    outcome, failed_at, _ = ended(model(fed, Integrator()), CHOSEN, 1.0, 60)
+    released = CHOSEN.kind == RELEASED
     assert (outcome[released] == "diverged").all()
     # It grows by e^(5 c t) to ten times the range; the last step may pass that by a tenth of a
     # period.
     expected = np.log(10 / CHOSEN.radius[released]) / (5 * DAMPING) * OMEGA / (2 * np.pi)
     np.testing.assert_allclose(failed_at[released], expected, atol=0.6)
-    values, envelope = let_go(
-        fed, CHOSEN, OMEGA, 40, Integrator(), lambda q, v: 0.5 * (v**2).sum(axis=1)
+    values, envelope = decays(
+        model(fed, Integrator()), CHOSEN, 40, lambda q, v: 0.5 * (v**2).sum(axis=1)
     )
     assert rises(values).all() and rises(envelope).all() and np.isnan(values[:, -1]).any()
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from vibrom.studies.work_precision import break_even, cheapest, front, observed_order, repeated
+from vibrom.studies.parts.timing import repeated
+from vibrom.studies.parts.work_precision import break_even, cheapest, front, observed_order
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.0])
