@@ -5,7 +5,8 @@ change dh of the step length and a change du of the signal follow the linearised
 
     dq~ = dq + h dv + h^2 (1/2 - beta) da + dh [v + 2 h ((1/2 - beta) a + beta a_k)]
     dv~ = dv + h (1 - gamma) da + dh [(1 - gamma) a + gamma a_k]
-    (M + gamma h C_k + beta h^2 K_k) dq_k = M dq~ + C_k (gamma h dq~ - beta h^2 dv~) + beta h^2 p du_k
+    (M + gamma h C_k + beta h^2 K_k) dq_k
+        = M dq~ + C_k (gamma h dq~ - beta h^2 dv~) + beta h^2 p du_k
     da_k = (dq_k - dq~)/(beta h^2),    dv_k = dv~ + gamma h da_k
 
 which is exact: it is the derivative of the steps that were taken, numerical damping included. The
@@ -118,18 +119,17 @@ def _factors(
         live = min(WIDE, steps - first)
         q, v = (np.ascontiguousarray(part[chosen + 1].T) for part in (displacement, velocity))
 
-        def add(scale_q: float, scale_v: float) -> None:
-            both = (np.full(WIDE, scale_q), np.full(WIDE, scale_v))
+        for by, target in (((0.0, 1.0), drag), ((by_q, by_v), factors)):
+            if target is drag:
+                band[:] = 0.0
+            else:
+                combine(parts, scales, band)
+            both = [np.full(WIDE, scale) for scale in by]
             for force, slot in zip(term.forces, slots):
                 force.kernels(WIDE)[1](q, v, force.dofs, force.table, slot, *both, values)
-
-        band[:] = 0.0
-        add(0.0, 1.0)
-        drag[first : first + live] = band.transpose(2, 0, 1)[:live]
-        combine(parts, scales, band)
-        add(by_q, by_v)
-        factorise(band)
-        factors[first : first + live] = band.transpose(2, 0, 1)[:live]
+            if target is factors:
+                factorise(band)
+            target[first : first + live] = band.transpose(2, 0, 1)[:live]
     return factors, drag if drag.any() else np.zeros((0, 0, 0))
 
 

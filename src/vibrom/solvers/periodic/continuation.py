@@ -11,17 +11,17 @@ are as long as the tangent turns little enough and the corrections are few enoug
 Source: Keller, Lectures on Numerical Methods in Bifurcation Problems (1987), chapter 4; Kelley,
 Solving Nonlinear Equations with Newton's Method (2003), section 4.3 (Broyden's method).
 
-Packages were tried on paper first: PyCont-Lite and pacopy solve G(u, p) = 0 by Krylov iterations on
-the residual or by the caller's own solver and know no map whose Jacobian comes with its value; bifpy
-and PyCoBi wrap Auto-07p, a Fortran program for some tens of equations; jaxcont wants the model in
-JAX. A Krylov iteration costs one period of the full order, and one that finds 480 multipliers costs
-all of them.
+No package carries forced periodic motions of hundreds of displacements at this speed: PyCont-Lite
+solves G(u, p) = 0 by Krylov iterations on the residual, each of which costs a period of the full
+order, and finds no multipliers of a map; pacopy leaves the solver to its caller and has no
+stability; bifpy and PyCoBi wrap Auto-07p, which is meant for some tens of equations; jaxcont wants
+the model in JAX.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,8 +52,8 @@ class Pace:
     largest: float = 0.5
     smallest: float = 1e-5
     turn: float = 0.25  # rad, that the tangent may turn in a step
-    # Of the last correction, which is still made: what is left is its square. The derivative is that
-    # of a point so near.
+    # Of the last correction, which is still made: what is left is its square. The derivative is
+    # that of a point so near.
     tolerance: float = 1e-6
     iterations: int = 16
     few: int = 9  # evaluations up to which a step may grow

@@ -68,7 +68,7 @@ class Coordinates:
         return self._body.internal(q) - self._still + held
 
     def of(self, q: np.ndarray) -> np.ndarray:
-        """y (n,) of a displacement (n,) [m]."""
+        """The coordinates (n,) of a displacement (n,) [m]."""
         self.near[:] = [q]
         return solve_triangular(self._root, self._force(q), trans="T") / SHIFT**2
 

@@ -64,7 +64,7 @@ class FlowMap:
 
     @property
     def size(self) -> int:
-        """r."""
+        """Of x."""
         return len(self.reach)
 
     def of_state(self, state: np.ndarray) -> np.ndarray:
@@ -108,10 +108,11 @@ class FlowMap:
         return [Swing(*both) for both in zip(fine, ratio.tolist())]
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
-        """Where x (r,) is after so many periods."""
+        """Where x (r,) is after so many periods; NaN where the motion does not last."""
         drive, x = (np.array([float(frequency)]), np.array([float(amplitude)])), x[None]
         for _ in range(periods):
-            x = self._periods(x, *drive)[0]
+            if np.isfinite(x).all():
+                x = self._periods(x, *drive)[0]
         return x[0]
 
     def _periods(

@@ -1,7 +1,7 @@
 """The full order's own motion over a period as a map, with its exact derivative.
 
-    x -> H(x, Omega, amplitude):   (q, v) after a period, or S (q, v) after half of one, of Newmark's
-    steps from (q, v) and the acceleration of equilibrium;   x = (y(q), N v),   N'N = M
+    x -> H(x, Omega, amplitude):   (q, v) after a period, or S (q, v) after half of one, of
+    Newmark's steps from (q, v) and the acceleration of equilibrium;   x = (y(q), N v),  N'N = M
 
 with the coordinates y of `coordinates`, so that |x|^2 is a kinetic energy in size. What repeats is
 the motion of the steps themselves, numerical damping included: long time marching with the same
@@ -125,7 +125,9 @@ class NewmarkMap:
         return [Swing(shown, float("nan")) for shown in half]
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
-        """Where x (2n,) is after so many periods."""
+        """Where x (2n,) is after so many periods; NaN where the motion does not last."""
+        if not np.isfinite(x).all():
+            return x
         steps = periods * self.steps_per_period
         whole = np.sin(2.0 * np.pi * np.arange(steps + 1) / self.steps_per_period)
         drive, record = (np.array([frequency]), np.array([amplitude])), Record(start=steps)
@@ -190,4 +192,5 @@ class NewmarkMap:
         )
         at = self.rest + end[: self.term.size]
         ends = np.concatenate([self._coordinates.slope(at, q), self._root @ v])
-        return dict(by_start=ends[:, :-2], by_frequency=ends[:, -2], by_amplitude=ends[:, -1])
+        slopes = ends[:, :-2], ends[:, -2], ends[:, -1]
+        return dict(zip(("by_start", "by_frequency", "by_amplitude"), slopes))

@@ -2,11 +2,11 @@
 
     mu = eigenvalues of dH/dx to the power of the maps in a period;   stable: all |mu| < 1
 
-One that leaves the unit circle at +1 marks a fold, or without one a pitchfork, where a second branch
-crosses; at -1 the period doubles; a pair elsewhere gives a torus. Where H is half a period followed
-by a symmetry, its own multipliers tell them apart: at -1 the second half of the motion ceases to be
-the mirror image of the first, which is a pitchfork too (Swift and Wiesenfeld, Phys. Rev. Lett. 52
-(1984) 705: a symmetric motion does not double its period).
+One that leaves the unit circle at +1 marks a fold, or without one a pitchfork, where a second
+branch crosses; at -1 the period doubles; a pair elsewhere gives a torus. Where H is half a period
+followed by a symmetry, its own multipliers tell them apart: at -1 the second half of the motion
+ceases to be the mirror image of the first, which is a pitchfork too (Swift and Wiesenfeld, Phys.
+Rev. Lett. 52 (1984) 705: a symmetric motion does not double its period).
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ def unstable(multipliers: np.ndarray) -> int:
 
 
 def growth(multipliers: np.ndarray, number: int) -> float:
-    """ln |mu| of the `number`-th largest, from one: its sign changes where that one crosses."""
+    """Log |mu| of the `number`-th largest, from one: its sign changes where that one crosses."""
     return float(np.log(np.abs(leading_first(multipliers)[number - 1])))
 
 
 def crossing(multiplier: complex, parts: int) -> Kind:
-    """What it means that this multiplier of H, `parts` of which make a period, crosses the circle."""
+    """What it means that this multiplier of H crosses the circle; `parts` maps make a period."""
     if abs(multiplier.imag) > REAL * abs(multiplier):
         return Kind.TORUS
     if multiplier.real < 0.0 and parts == 1:

@@ -1,0 +1,171 @@
+"""Sweeps up and down: the frequency is changed in steps, and the motion carried on from each to the
+next, as in a laboratory.
+
+Where a curve folds, a sweep stays on the branch on which it is until that ends, and jumps; on the
+way back it jumps elsewhere. A jump is bracketed by halving the last step from the motion before it.
+"""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.artefacts.outcome import Outcome
+from vibrom.experiments import Experiment, Given
+from vibrom.models.measures import curve_error, periodic
+from vibrom.models.model import Model
+from vibrom.solvers.periodic.maps import ReturnMap, Swing
+
+DIRECTIONS = ("up", "down")
+APART = 0.01  # of the larger one: amplitudes that belong to two motions
+SIDES = ("before", "after")
+
+
+@dataclass(frozen=True)
+class Sweeps(Experiment):
+    """One forcing amplitude, equal steps of the frequency."""
+
+    forcing: float  # amplitude, times the scene's load
+    periods: int = 60  # at each frequency
+    settle: int = 100  # more periods at the first one, which begins from rest
+    frequencies: int = 33
+    lowest: float = 0.8  # times the damped first frequency
+    highest: float = 1.2  # times the damped first frequency
+    halvings: int = 3  # of the step in which a jump was seen
+
+    scores = {
+        "jumps": "1",
+        "jump_up_error_percent": "percent",
+        "jump_down_error_percent": "percent",
+        "amplitude_error_median_percent": "percent",
+        "peak_error_percent": "percent",
+    }
+    truth = "sweeps"
+
+    def brief(self) -> "Sweeps":
+        """Two frequencies, one period each."""
+        return replace(self, periods=1, settle=0, frequencies=2)
+
+    def ask(self, model: Model, given: Given) -> xr.Dataset:
+        """Largest and smallest value of the last period at every probe, and where jumps are."""
+        flow = model.return_map()
+        frequency = np.linspace(self.lowest, self.highest, self.frequencies) * model.frequency
+        began = time.perf_counter()
+        runs = [self._swept(flow, frequency), self._swept(flow, frequency[::-1])]
+        swings = [runs[0][1], runs[1][1][::-1]]
+        points = [runs[0][0], runs[1][0][::-1]]
+        shown = periodic(np.stack([[item.displacement for item in row] for row in swings]))
+        jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0])
+        seconds = time.perf_counter() - began
+        finite = np.isfinite(shown.maximum).all(axis=-1)
+        dims, point = ("direction", "angular_frequency", "probe"), "angular_frequency"
+        answer = {
+            "amplitude": variable(dims, shown.maximum, "m", "largest value of the last period"),
+            "minimum": variable(dims, shown.minimum, "m", "smallest value of the last period"),
+            "half_range": variable(
+                dims, shown.half_range, "m", "half the range of the last period, peak to peak"
+            ),
+            "phase": variable(
+                dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
+            ),
+            "jump_frequency": variable(
+                ("direction", "side"), jumps, "rad s-1", "frequencies between which it jumps"
+            ),
+            "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
+            **outcome_variables(Outcome.OK, seconds=seconds),
+            "outcome": variable(
+                dims[:2],
+                np.where(finite, Outcome.OK.value, Outcome.DIVERGED.value).astype(object),
+                "1",
+                "how the motion ended",
+            ),
+        }
+        coords = {
+            point: variable(point, frequency, "rad s-1", "angular frequency of the forcing"),
+            "probe": given.probe,
+            "direction": variable("direction", np.array(DIRECTIONS, object), "1", "of the sweep"),
+            "side": variable("side", np.array(SIDES, object), "1", "of a jump"),
+        }
+        return xr.Dataset(answer, coords=coords)
+
+    def _swept(
+        self, flow: ReturnMap, frequency: np.ndarray
+    ) -> tuple[list[np.ndarray], list[Swing]]:
+        """The last point and the last period at each frequency, in this order."""
+        x, points, swings = np.zeros(flow.size), [], []
+        for number, omega in enumerate(frequency):
+            periods = self.periods + (self.settle if number == 0 else 0)
+            x = flow.after(x, omega, float(self.forcing), periods)
+            points.append(x)
+            swings.append(_swing(flow, x, omega, float(self.forcing)))
+        return points, swings
+
+    def _jumps(
+        self,
+        flow: ReturnMap,
+        frequency: np.ndarray,
+        points: list[list[np.ndarray]],
+        amplitude: np.ndarray,
+    ) -> np.ndarray:
+        """(2, 2) the frequencies before and after the jump of each direction; NaN without one."""
+        found = np.full((2, 2), np.nan)
+        difference = np.abs(amplitude[0] - amplitude[1])
+        apart = difference > APART * np.nanmax(np.abs(amplitude))
+        if not apart.any():
+            return found
+        top = int(np.nanargmax(np.where(apart, difference, 0.0)))
+        for row, step in ((0, 1), (1, -1)):
+            last = top
+            while 0 <= last + step < len(frequency) and apart[last + step]:
+                last += step
+            if 0 <= last + step < len(frequency):
+                ends = frequency[[last, last + step]], amplitude[row, [last, last + step]]
+                found[row] = self._halved(flow, points[row][last], *ends)
+        return found
+
+    def _halved(
+        self, flow: ReturnMap, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray
+    ) -> np.ndarray:
+        """Frequencies (2,) on both sides of a jump from x, between two at which it was seen."""
+        (low, high), (before, after) = frequency, amplitude
+        for _ in range(self.halvings):
+            middle = 0.5 * (low + high)
+            ahead = flow.after(x, middle, float(self.forcing), self.periods)
+            seen = _swing(flow, ahead, middle, float(self.forcing)).displacement[0].max()
+            if abs(seen - before) < abs(seen - after):
+                low, x, before = middle, ahead, seen
+            else:
+                high = middle
+        return np.array([low, high])
+
+    def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
+        """Errors of the jumps, and of the amplitude at the first probe."""
+        amplitude, true = (item["amplitude"].values[..., 0].ravel() for item in (answer, truth))
+        error = curve_error(amplitude, true)
+        jumps, true_jumps = (item["jump_frequency"].values.mean(axis=1) for item in (answer, truth))
+        off = [_off(one, other) for one, other in zip(jumps, true_jumps)]
+        return {
+            "jumps": float(np.isfinite(jumps).sum()),
+            "jump_up_error_percent": off[1],
+            "jump_down_error_percent": off[0],
+            "amplitude_error_median_percent": error.median_percent,
+            "peak_error_percent": error.peak_percent,
+        }
+
+
+def _off(one: float, other: float) -> float:
+    """Of a frequency, in percent; zero where neither curve jumps, infinite where only one does."""
+    if np.isnan(one) and np.isnan(other):
+        return 0.0
+    return float(100.0 * (one / other - 1.0)) if np.isfinite(one * other) else float("inf")
+
+
+def _swing(flow: ReturnMap, x: np.ndarray, frequency: float, amplitude: float) -> Swing:
+    """The period from x on; NaN where x is."""
+    known = np.isfinite(x).all()
+    start = x if known else np.zeros_like(x)
+    drive = np.array([frequency]), np.array([amplitude if known else 0.0])
+    (swing,) = flow.swings(start[None], *drive)
+    return swing if known else replace(swing, displacement=np.full_like(swing.displacement, np.nan))
