@@ -10,7 +10,13 @@ import re
 import sys
 from pathlib import Path
 
-import vibrom
+try:
+    import vibrom
+except ImportError:
+    sys.exit(
+        f"vibrom: the package is not installed for {sys.executable}; activate its environment, or "
+        "make one (see README.md)"
+    )
 
 ROOT = Path(workflow.basedir)
 OWN, RUNNING = ROOT / "src/vibrom", Path(vibrom.__file__).parent
@@ -65,10 +71,8 @@ include: "workflow/rules/resume.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/cost.smk"
+include: "workflow/rules/studies.smk"
 include: "workflow/rules/results.smk"
-include: "workflow/rules/effects.smk"
-include: "workflow/rules/stability.smk"
 include: "workflow/rules/families.smk"
 
 

@@ -14,6 +14,7 @@ import hashlib
 import json
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -33,7 +34,7 @@ def _stamp(path: Path) -> list[int]:
 
 @cache
 def _store() -> dict[str, dict]:
-    """What earlier processes read of each module: parsing all of them anew takes longer than the
+    """What earlier processes read of each module: parsing all of them again takes longer than the
     rest of this file's work.
 
     Kept beside the bytecode, for as long as this code and that file stay as they are.
@@ -160,7 +161,8 @@ def installed(package: str) -> str | None:
         return None
 
 
-def versions(names) -> dict[str, str]:
+def versions(names: Iterable[str]) -> dict[str, str]:
+    """Distribution -> version of these import packages, where they are installed."""
     return {
         DISTRIBUTION.get(name, name): found for name in sorted(names) if (found := installed(name))
     }

@@ -10,7 +10,7 @@ import numpy as np
 import skfem
 
 from vibrom.bodies.space import Probe, Space, movable
-from vibrom.config.kinds import Cells, Edge, Element, Name, Positive, Several
+from vibrom.config.kinds import Cells, Distinct, Edge, Element, Name, Positive
 
 # Element and the polynomial degree that its quadrature integrates: 2 x 2, 3 x 3 Gauss points.
 ELEMENTS = {
@@ -29,7 +29,7 @@ class Rectangle:
     width: Positive  # m, out of plane
     cells: Cells  # along the length, over the height
     element: Element  # bilinear ones lock in shear when they bend
-    clamped: Several[Edge]  # edges that cannot move
+    clamped: Distinct[Edge]  # edges that cannot move
     probes: dict[Name, Probe]  # displacements that are recorded; tables show the first
     rise: float = 0.0  # m, of an arch: how far its middle lies above its ends
 

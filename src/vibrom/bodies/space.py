@@ -157,7 +157,10 @@ def shortest_edge(mesh: skfem.Mesh) -> float:
 def movable(basis: skfem.Basis, clamped: Iterable[str]) -> np.ndarray:
     """Scikit-fem's dofs that lie on none of these boundaries, in its order."""
     held = [basis.get_dofs(boundary).all() for boundary in clamped]
-    return np.setdiff1d(np.arange(basis.N), np.concatenate(held) if held else [])
+    free = np.setdiff1d(np.arange(basis.N), np.concatenate(held) if held else [])
+    if len(free) < 2:
+        raise SceneError("body.clamped leaves nothing to move; clamp less, or take more elements")
+    return free
 
 
 def build(body: Mapping[str, Any]) -> Space:

@@ -1,7 +1,7 @@
 """Checks a value against the kind of its setting and completes it with the defaults.
 
 What comes out is plain and of one form: 100 and 100.0 are the same number, keys stand in the order
-of their declaration, lists are lists. The first wrong entry ends the check.
+of their declaration or of the alphabet, lists are lists. The first wrong entry ends the check.
 """
 
 import math
@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 import msgspec
 from msgspec import inspect
 
+from vibrom.config import plugs
 from vibrom.config.errors import SettingsError, closest
 from vibrom.config.kinds import FORMS
 from vibrom.config.renamed import new_name
@@ -37,9 +38,11 @@ class Entry:
         return Entry(self.value[key], (*self.path, key), self.refuse, about)
 
     def wrong(self, cure: str) -> NoReturn:
+        """Refuse the value."""
         self.refuse(self.path, self.value, cure)
 
     def must_be(self, wanted: str, hint: str = "change it") -> NoReturn:
+        """Refuse the value and say what is wanted, with what is known of the setting."""
         empty = "is empty and " if self.value is None else ""
         self.wrong(f"{empty}must be {wanted}; {hint}" + (f" ({self.about})" if self.about else ""))
 
@@ -67,7 +70,7 @@ def _checked(entry: Entry, kind: inspect.Type) -> Any:
             return entry.value if isinstance(entry.value, bool) else entry.must_be("true or false")
         case inspect.LiteralType():
             if not isinstance(entry.value, str) or entry.value not in kind.values:
-                entry.wrong(f"is not known; {closest(entry.value, kind.values)}")
+                entry.wrong(f"is not known; {closest(entry.value, map(str, kind.values))}")
             return entry.value
         case inspect.UnionType():
             return _one_of(entry, kind)
@@ -80,6 +83,9 @@ def _described(entry: Entry, kind: inspect.Metadata) -> Any:
     extra = kind.extra_json_schema or {}
     about = extra.get("description", entry.about)
     made = _checked(Entry(entry.value, entry.path, entry.refuse, about), kind.type)
+    folder = (kind.extra or {}).get("plugs")
+    if folder and made not in (known := plugs.names(folder)):
+        entry.wrong(f"is not known; {closest(made, known)}")
     if extra.get("uniqueItems"):
         double = next((item for place, item in enumerate(made) if item in made[:place]), None)
         if double is not None:
@@ -112,18 +118,12 @@ def _block(entry: Entry, kind: inspect.StructType) -> dict[str, Any]:
 
 
 def _default(entry: Entry, field: inspect.Field) -> Any:
-    if field.default_factory is not msgspec.NODEFAULT:
-        value = field.default_factory()
-    else:
-        value = field.default
-    if value is msgspec.NODEFAULT or value is msgspec.UNSET:
+    if field.required:
         about = (getattr(field.type, "extra_json_schema", None) or {}).get("description")
         cure = "is missing; add it" + (f" ({about})" if about else "")
         entry.refuse((*entry.path, field.name), None, cure)
-    plain = msgspec.to_builtins(value)
-    return (
-        None if plain is None else _checked(Entry(plain, (field.name,), entry.refuse), field.type)
-    )
+    plain = msgspec.to_builtins(field.default_factory())  # as `plugs` declares all of them
+    return _checked(Entry(plain, (*entry.path, field.name), entry.refuse), field.type)
 
 
 def _mapping(entry: Entry, kind: inspect.DictType) -> dict[str, Any]:
@@ -134,10 +134,11 @@ def _mapping(entry: Entry, kind: inspect.DictType) -> dict[str, Any]:
         name = _checked(Entry(key, (*entry.path, key), entry.refuse), kind.key_type)
         made[name] = _checked(entry.below(key), kind.value_type)
     if isinstance(kind.key_type, inspect.LiteralType) and kind.min_length:
-        for name in sorted(set(kind.key_type.values) - set(made)):
+        for name in sorted(set(map(str, kind.key_type.values)) - set(made)):
             entry.refuse((*entry.path, name), None, "is missing; add it")
     _length(entry, kind, "entry", "entries")
-    return made
+    # The order of names means something: the first probe, the first guard.
+    return made if getattr(kind.key_type, "pattern", None) else dict(sorted(made.items()))
 
 
 def _list(entry: Entry, kind: Any) -> list[Any]:
@@ -226,7 +227,7 @@ def _anything(entry: Entry) -> Any:
     """Numbers, text and what they are put together of, in plain form."""
     value = entry.value
     if isinstance(value, dict):
-        return {key: _anything(entry.below(key)) for key in value}
+        return {key: _anything(entry.below(key)) for key in sorted(value)}
     if isinstance(value, (list, tuple)):
         return [_anything(entry.below(place)) for place in range(len(value))]
     if isinstance(value, (int, float)) and not isinstance(value, bool):

@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+LONGEST = 60  # of a key or value that is shown
+
 
 class ConfigError(ValueError):
     """The configuration, or a plug that declares a part of it, cannot be used; one line."""
@@ -21,7 +23,7 @@ class SettingsError(ConfigError):
 
 def dotted(path: tuple) -> str:
     """body.cells[0]"""
-    steps = (f"[{key}]" if isinstance(key, int) else f".{key}" for key in path)
+    steps = (f"[{key}]" if isinstance(key, int) else f".{_cut(key)}" for key in path)
     return "".join(steps).lstrip(".") or "file"
 
 
@@ -34,8 +36,11 @@ def closest(word: Any, known: Iterable[str]) -> str:
 
 
 def _short(value: Any) -> str:
-    text = _line(repr(value))
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return _cut(_line(repr(value)))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
 
 
 def _line(text: str) -> str:

@@ -22,7 +22,7 @@ def plug(module: ModuleType, method: str, error: type[Exception]) -> type:
     if len(found) != 1:
         folder, name = module.__name__.split(".")[-2:]
         raise error(
-            f"{folder}/{name}.py defines {len(found)} classes with `{method}`; define exactly one"
+            f"{folder}/{name}.py defines {len(found)} classes with a `{method}`; define exactly one"
         )
     return found[0]
 
@@ -31,10 +31,12 @@ def instance(
     kind: type[Kind], settings: Mapping[str, Any], where: str, error: type[Exception]
 ) -> Kind:
     """The object; raises `error` with one line that names the entry of the scene."""
-    known = [field.name for field in dataclasses.fields(kind)]
+    known = [field.name for field in dataclasses.fields(kind)]  # type: ignore[arg-type]
     if unknown := [key for key in settings if key not in known]:
         raise error(f"{where}.{unknown[0]} is no setting; {closest(unknown[0], known)}")
     try:
-        return msgspec.convert(dict(settings), kind)
+        # Numbers of numpy become plain ones.
+        plain = msgspec.to_builtins(dict(settings), enc_hook=lambda number: number.tolist())
+        return msgspec.convert(plain, kind)
     except msgspec.ValidationError as wrong:
         raise error(f"{where}: {wrong}; change it") from wrong

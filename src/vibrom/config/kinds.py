@@ -11,7 +11,8 @@ from typing import Annotated, Literal, TypeVar
 from msgspec import Meta
 
 Item = TypeVar("Item")
-Several = Annotated[list[Item], Meta(min_length=1, extra_json_schema={"uniqueItems": True})]
+Distinct = Annotated[list[Item], Meta(extra_json_schema={"uniqueItems": True})]
+Several = Annotated[Distinct[Item], Meta(min_length=1)]
 
 Positive = Annotated[float, Meta(gt=0)]
 NonNegative = Annotated[float, Meta(ge=0)]
@@ -42,6 +43,8 @@ FORMS = {
     FOLDER: "a path without { } < > * and ?",
     ROM_CLASS: "module:name of a class of vibrom",
 }
+# A file of this folder of vibrom.
+Stepper = Annotated[str, Meta(extra={"plugs": "solvers/reduced/steppers"})]
 Name = Annotated[str, Meta(pattern=NAME, max_length=60)]  # of a scene, probe, method or guard
 Device = Annotated[str, Meta(pattern=DEVICE)]
 Folder = Annotated[str, Meta(pattern=FOLDER)]

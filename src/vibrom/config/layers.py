@@ -36,6 +36,8 @@ class Layers:
             here = (*path, key)
             if value is None and key not in below and not lenient:
                 cure = "is empty; give a value, or {} for a block without settings"
+                if ":" in key:
+                    cure = "is empty; put a blank behind the colon"
                 raise SettingsError(origin[0], (*origin[1], *here), None, cure)
             if isinstance(value, dict) and isinstance(below.get(key), dict):
                 self._merge(below[key], value, here, origin, lenient)
@@ -58,7 +60,7 @@ class Layers:
     def check_known(self, path: tuple, name: str, known: Iterable[str], what: str) -> None:
         """Refuse the name that stands at `path`, or is its last key, unless it is known."""
         if name not in (known := list(known)):
-            value = name
+            value: Any = name
             if path[-1] == name:
                 value = self.content
                 for key in path:

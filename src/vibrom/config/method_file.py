@@ -8,7 +8,7 @@ from vibrom.config.kinds import Count, Name, RomClass
 from vibrom.config.scene import Block
 
 
-class MethodFile(Block):
+class MethodFile(Block, frozen=True):
     """One file of config/methods."""
 
     seeded: bool  # false: deterministic, and fitted once

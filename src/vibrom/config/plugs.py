@@ -8,9 +8,9 @@ is evaluated from the text, with the names that the file itself defines or impor
 
 import ast
 import typing
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from typing import Annotated, Any
 
 import msgspec
@@ -45,16 +45,17 @@ def names(folder: str) -> list[str]:
 
 def settings_of(folder: str, name: str) -> type[Block]:
     """The settings of a plug, as a class that msgspec knows."""
-    return declared(module_of(folder, name), class_of(folder, name))
+    return declared(module_of(folder, name), class_of(folder, name) or "")
 
 
 @cache
 def declared(module: str, name: str) -> type[Block]:
     """The fields of a dataclass of vibrom, those that it inherits first, as such a class."""
     fields = _fields(module, name)
-    return msgspec.defstruct(
+    made: Any = msgspec.defstruct(
         name, list(fields.values()), bases=(Block,), kw_only=True, frozen=True, module=module
     )
+    return made
 
 
 def kinds_of(settings: type[Block]) -> dict[str, Any]:
@@ -72,12 +73,13 @@ def constants(folder: str, name: str) -> dict[str, Any]:
     above that.
     """
     module = module_of(folder, name)
-    found, classes = _literals(names_of(module).values), list(names_of(module).classes)
+    found, classes = _literals(names_of(module).assigned), list(names_of(module).classes)
     return found | _class_constants(module, classes[-1]) if classes else found
 
 
 def _class_constants(module: str, name: str) -> dict[str, Any]:
-    node, found = names_of(module).classes[name], {}
+    node = names_of(module).classes[name]
+    found: dict[str, Any] = {}
     for parent in _parents(module, node):
         found |= _class_constants(*parent)
     return found | _literals(assigned(node.body))
@@ -144,8 +146,9 @@ def _parents(module: str, node: ast.ClassDef) -> list[tuple[str, str]]:
 
 def _fields(module: str, name: str) -> dict[str, tuple]:
     """Field -> (its name, its kind with a description, its default where it has one)."""
-    scope, fields = names_of(module), {}
+    scope = names_of(module)
     node = scope.classes[name]
+    fields: dict[str, tuple] = {}
     for parent in _parents(module, node):
         fields |= _fields(*parent)
     for item in node.body:
@@ -175,22 +178,21 @@ def _default(node: ast.expr | None, scope: "Names") -> Any:
         node = given.get("default_factory", given.get("default"))
         if isinstance(node, ast.Lambda):
             node = node.body
-        elif "default_factory" in given:
+        elif node is not None and "default_factory" in given:
             return msgspec.field(default_factory=scope.evaluate(node))
     if node is None:
         return None
-    make: Callable[[], Any] = lambda: scope.evaluate(node)  # noqa: E731  new at each call
-    make()
-    return msgspec.field(default_factory=make)
+    scope.evaluate(node)  # an error is raised here
+    return msgspec.field(default_factory=partial(scope.evaluate, node))
 
 
-class Names(dict):
+class Names:
     """What the names in a module stand for, as far as declarations of settings use them."""
 
     def __init__(self, module: str):
         self.module = module
         self.classes: dict[str, ast.ClassDef] = {}
-        self.values = assigned(source.tree(module).body)
+        self.assigned = assigned(source.tree(module).body)
         self.imported: dict[str, tuple[str, str]] = {}  # name -> module, and its name there
         for node in source.tree(module).body:
             if isinstance(node, ast.ClassDef):
@@ -207,9 +209,9 @@ class Names(dict):
     def evaluate(self, node: ast.expr) -> Any:
         """The value of an expression of the module."""
         code = compile(ast.Expression(node), self.module, "eval")
-        return eval(code, {"__builtins__": {}}, self)
+        return eval(code, {"__builtins__": {}}, self)  # type: ignore[arg-type]
 
-    def __missing__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Any:
         module, there = self.imported.get(name, (self.module, name))
         if module in FOREIGN:
             return getattr(FOREIGN[module], there)
@@ -217,8 +219,8 @@ class Names(dict):
             return names_of(module)[there]
         if name in self.classes:
             return declared(module, name)
-        if name in self.values:
-            return self.evaluate(self.values[name])
+        if name in self.assigned:
+            return self.evaluate(self.assigned[name])
         return BUILT_IN[name]
 
 

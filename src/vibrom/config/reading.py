@@ -22,8 +22,23 @@ def block(layers: Layers, path: tuple, kind: type[Block], without: str = "") -> 
     return checked(own, kind, path, layers.refuse)
 
 
+def needed(experiments: Iterable[str], studies: Iterable[str]) -> set[str]:
+    """The experiments of a run with those that they, or its studies, read or compare with."""
+    known, found = plugs.names("experiments"), set()
+    todo = [*experiments]
+    for study in set(studies) & set(plugs.names("studies")):
+        todo += plugs.constants("studies", study).get("experiments", ())
+    while todo:
+        name = todo.pop()
+        if name in known and name not in found:
+            found.add(name)
+            constants = plugs.constants("experiments", name)
+            todo += [*constants.get("reads", ()), str(constants.get("truth"))]
+    return found
+
+
 def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Scene:
-    """A scene's file with what is laid over it; `asked` are the experiments of the run."""
+    """A scene's file with what is laid over it; `asked` are the experiments that it sets."""
     file = folder / "scenes" / f"{name}.yaml"
     layers = Layers(files.read(file), (file, ()))
     sources.lay_over(layers, "scene_settings", name)
@@ -36,8 +51,11 @@ def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Sc
     layers.check_known(("body", "shape"), shape, plugs.names("bodies"), "body")
     body = block(layers, ("body",), plugs.settings_of("bodies", shape), without="shape")
     plain["body"] = {"shape": shape, **body}
+    for key in ("clamped", "probes"):
+        if key in body and not body[key]:
+            layers.refuse(("body", key), body[key], "is empty; name at least one")
     plain["effects"] = _effects(layers)
-    plain["experiments"] = _experiments(layers, list(asked))
+    plain["experiments"] = _experiments(layers, set(asked))
     _check_scene(plain, layers)
     return Scene.from_builtins(plain)
 
@@ -55,9 +73,9 @@ def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
     }
 
 
-def _experiments(layers: Layers, asked: list[str]) -> dict[str, dict[str, Any]]:
+def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
     """Settings of every experiment that the scene sets, that is asked, or that needs none."""
-    given, known = layers.content["experiments"], plugs.names("experiments")
+    given, known = layers.content.get("experiments", {}), plugs.names("experiments")
     for name in given:
         layers.check_known(("experiments", name), name, known, "experiment")
     made = {}
@@ -129,11 +147,10 @@ def study(
     """The settings of a study, for those of its scenes that run."""
     layers.check_known(("studies", name), name, plugs.names("studies"), "study")
     made = block(layers, ("studies", name), plugs.settings_of("studies", name))
-    if "scenes" in made:
-        known = stems(folder, "scenes")
-        for place, scene in enumerate(made["scenes"]):
-            layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
-        made["scenes"] = [scene for scene in made["scenes"] if scene in scenes]
+    known, chosen = stems(folder, "scenes"), made["scenes"]
+    for place, scene in enumerate(chosen or ()):
+        layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
+    made["scenes"] = [scene for scene in scenes if chosen is None or scene in chosen]
     if "reduced" in made:
         path, known = ("studies", name, "reduced"), stems(folder, "methods")
         for method in made["reduced"]:

@@ -35,7 +35,7 @@ class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return {key: value for key, value in plain.items() if value is not None}
 
 
-class Release(Block):
+class Release(Block, frozen=True):
     """Where a decay starts: a displacement of the run forced from rest at the damped first
     frequency.
     """
@@ -44,7 +44,7 @@ class Release(Block):
     step: Count  # the time step at which the displacement is taken
 
 
-class Record(Block):
+class Record(Block, frozen=True):
     """What is recorded of a decay."""
 
     periods: Count  # of the damped first mode
@@ -52,7 +52,7 @@ class Record(Block):
     derivatives: Literal["differences", "integrator"] = "differences"
 
 
-class Time(Block):
+class Time(Block, frozen=True):
     """The time integration of the full-order model."""
 
     steps_per_period: Steps  # time steps in one period of the first mode
@@ -63,7 +63,7 @@ class Time(Block):
     initial_acceleration: Literal["zero", "equilibrium"]
 
 
-class Scene(Block):
+class Scene(Block, frozen=True):
     """One file of config/scenes."""
 
     name: Name  # the file's

@@ -30,7 +30,7 @@ TAKEN = {
 INTEGRATOR = ("vibrom.models.rollout", "Integrator")  # the class that declares its settings
 
 
-class Config(Block):
+class Config(Block, frozen=True):
     """config/config.yaml with what is laid over it."""
 
     results: Folder  # the folder of all artefacts
@@ -70,7 +70,9 @@ class Settings:
     def start_of(self, method: str, folder: str) -> tuple[str, str] | None:
         """Method and seed folder of the model that this one starts from."""
         start = self.methods[method].starts_from
-        return start and (start, folder if self.methods[start].seeded else UNSEEDED)
+        if start is None:
+            return None
+        return start, folder if self.methods[start].seeded else UNSEEDED
 
     def modules_of(self, scene: str) -> list[str]:
         """The modules of a scene's body and effects, below vibrom."""
@@ -97,10 +99,8 @@ def load(
                 layers.refuse((kind, place), name, cure)
     for place, name in enumerate(config["experiments"]):
         layers.check_known(("experiments", place), name, plugs.names("experiments"), "experiment")
-    scenes = {
-        name: reading.scene(sources, folder, name, config["experiments"])
-        for name in config["scenes"]
-    }
+    asked = reading.needed(config["experiments"], config["studies"])
+    scenes = {name: reading.scene(sources, folder, name, asked) for name in config["scenes"]}
     methods = {name: reading.method(sources, folder, name) for name in config["methods"]}
     reading.check_starts(methods, folder)
     return Settings(

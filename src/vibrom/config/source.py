@@ -56,10 +56,10 @@ def _lines(module: str) -> list[bytes]:
 def comment(module: str, node: ast.stmt) -> str:
     """What is said beside a statement, or in the lines above it where nothing is."""
     lines = _lines(module)
-    beside = lines[node.end_lineno - 1][node.end_col_offset :].strip()
+    beside = lines[(node.end_lineno or 0) - 1][node.end_col_offset :].strip()
     if beside.startswith(b"#"):
         return beside.lstrip(b"# ").decode()
-    above = []
+    above: list[str] = []
     for line in reversed(lines[: node.lineno - 1]):
         if not line.strip().startswith(b"#"):
             break

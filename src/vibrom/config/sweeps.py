@@ -31,8 +31,8 @@ def _over(
 ) -> list[Any]:
     values = sweep["over"]
     for key in sweep["vary"]:
-        start = methods[name].starts_from
-        of_start = start in methods and key.startswith("start.")
+        start = methods[name].starts_from or name
+        of_start = start != name and key.startswith("start.")
         which = start if of_start else name
         setting, known = key.removeprefix("start.") if of_start else key, _known(methods[which])
         known |= {} if of_start else {"rtol": OWN["rtol"]} if methods[which].rule else OWN
@@ -50,4 +50,4 @@ def _known(method: MethodFile) -> dict[str, Any]:
     """Setting -> its kind; nothing is known of those of an outside method."""
     if method.rule:
         return {}
-    return plugs.kinds_of(plugs.settings_of("methods", method.method))
+    return plugs.kinds_of(plugs.settings_of("methods", str(method.method)))

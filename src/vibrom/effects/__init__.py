@@ -26,7 +26,7 @@ def assemble(space: Space, effects: Mapping[str, Mapping[str, Any] | None]) -> T
 
 
 def load(name: str, settings: Mapping[str, Any]) -> Any:
-    """The effect of this name: the one class with an `assemble` that `effects/<name>.py` defines."""
+    """The effect of this name: the one class of `effects/<name>.py` that assembles."""
     kind = plug(_module(name), "assemble", SceneError)
     return instance(kind, settings, f"effects.{name}", SceneError)
 

@@ -50,9 +50,9 @@ def edition(function) -> str:
     return sha256(b"".join(Path(file).read_bytes() for file in sorted(files))).hexdigest()[:8]
 
 
-def kernel(*signatures, fastmath: bool | set[str] = True):
+def kernel(*signatures, fastmath: bool | set[str] = True, nogil: bool = False):
     """Compiles a function for these signatures and keeps it on disk, so that a second process does
-    not compile again.
+    not compile again; with `nogil` threads may run it at the same time.
 
     A function made inside another is named after the numbers that it captured. Without that,
     specialisations that different processes compiled could carry one symbol, and a third process
@@ -68,7 +68,9 @@ def kernel(*signatures, fastmath: bool | set[str] = True):
                 edition(function),
             ]
         )
-        return njit(list(signatures), cache=True, fastmath=fastmath, error_model="numpy")(function)
+        return njit(
+            list(signatures), cache=True, fastmath=fastmath, nogil=nogil, error_model="numpy"
+        )(function)
 
     return compile
 

@@ -32,7 +32,7 @@ from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored, stor
 from vibrom.models.training import Training, Unsupported
 
 if TYPE_CHECKING:
-    from vibrom.solvers.reduced.field import Field
+    from vibrom.solvers.reduced.field import VectorField
 
 DecoderBeyond = Literal["network", "tangent"]
 
@@ -174,17 +174,17 @@ class AutoencoderRom(Rom):
             a = projected(v if given.weight is None else v @ given.weight.T, given.load)
         return np.concatenate([np.zeros_like(a), a], axis=-1)
 
-    def field(self, p: np.ndarray | None) -> Field:
+    def field(self, p: np.ndarray | None) -> VectorField:
         """See Rom."""
         from vibrom.latent.decoder_kernel import force_kernel
         from vibrom.latent.polynomial_kernel import polynomial_kernel
-        from vibrom.solvers.reduced.field import Field
+        from vibrom.solvers.reduced.field import VectorField
 
         drift = polynomial_kernel(*self._polynomial)
         if p is None:
-            return Field(drift)
+            return VectorField(drift)
         encoder = self.encoder if self.force_rule == "encoder" else None
-        return Field(drift, force_kernel(self.decoder, encoder, self._push(p), self._edge))
+        return VectorField(drift, force_kernel(self.decoder, encoder, self._push(p), self._edge))
 
     def encoded(self, training: Training) -> np.ndarray:
         """Positions z, dz/dtau and d2z/dtau2 (3, samples, d) of all training data."""

@@ -68,7 +68,7 @@ def _decode(z, tables, work, places, target):
 
 @njit(error_model="numpy")
 def _solve(work, gram, right, d):
-    """X of G x = b, from row `right` on in the place of b: Cholesky's factor row by row, and the
+    """x of G x = b, from row `right` on in the place of b: Cholesky's factor row by row, and the
     forward substitution with it; the diagonal keeps 1/L_aa.
     """
     for a in range(d):

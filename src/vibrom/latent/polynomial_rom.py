@@ -21,7 +21,7 @@ from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored
 from vibrom.models.training import Training, Unsupported
 
 if TYPE_CHECKING:
-    from vibrom.solvers.reduced.field import Field
+    from vibrom.solvers.reduced.field import VectorField
 
 
 @dataclass(frozen=True)
@@ -92,13 +92,13 @@ class PolynomialRom(Rom):
         """See Rom."""
         return np.broadcast_to(self._push(p), of_width(z, len(self.reach), "z").shape)
 
-    def field(self, p: np.ndarray | None) -> Field:
+    def field(self, p: np.ndarray | None) -> VectorField:
         """See Rom."""
         from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
-        from vibrom.solvers.reduced.field import Field
+        from vibrom.solvers.reduced.field import VectorField
 
         drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics, self._edge)
-        return Field(drift, None if p is None else constant_kernel(self._push(p)))
+        return VectorField(drift, None if p is None else constant_kernel(self._push(p)))
 
     def guarded(self, guards: Guards, training: Training) -> PolynomialRom:
         """See Rom."""

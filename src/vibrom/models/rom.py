@@ -27,7 +27,7 @@ from vibrom.artefacts.data import DataError
 from vibrom.models.training import MethodError, Training, Unsupported
 
 if TYPE_CHECKING:
-    from vibrom.solvers.reduced.field import Field
+    from vibrom.solvers.reduced.field import VectorField
 
 HOMES = ("vibrom.latent", "vibrom.methods")  # the packages whose modules hold the classes of models
 
@@ -120,7 +120,7 @@ class Rom(ABC):
         q = x[..., : x.shape[-1] // 2]
         return q if dofs is None else q[..., dofs]
 
-    def field(self, p: np.ndarray | None) -> Field | None:
+    def field(self, p: np.ndarray | None) -> VectorField | None:
         """`drift` and, under a load p, `force_map` in compiled code, for rollouts some hundred
         times faster; None: numpy is fast enough.
 

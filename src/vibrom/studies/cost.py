@@ -1,15 +1,29 @@
-"""What accuracy costs in time: settings of the full-order model and of the methods are varied."""
+"""What accuracy costs in time: settings of the full-order model and of the methods are varied.
+
+Each setting has an error against a reference, and the seconds that it takes: see
+`parts.cost_full_order` and `parts.cost_reduced`.
+"""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from msgspec import Meta
 
-from vibrom.config.kinds import Cells, Count, Element, Fraction, Name, NonNegative, Several
+from vibrom.config.kinds import (
+    Cells,
+    Count,
+    Distinct,
+    Element,
+    Fraction,
+    Name,
+    NonNegative,
+    Several,
+)
+from vibrom.studies import Study
 
 Residual = Annotated[float, Meta(ge=1e-10, le=0.1)]
 Steps = Annotated[int, Meta(ge=50, multiple_of=50)]
-Meshes = Annotated[list[Cells], Meta(extra_json_schema={"uniqueItems": True})]
+Meshes = Distinct[Cells]
 
 
 @dataclass(frozen=True)
@@ -61,11 +75,33 @@ class Sweep:
 
 
 @dataclass(frozen=True)
-class Cost:
+class Cost(Study):
     """What is varied, and how often a time is taken."""
 
-    scenes: list[Name]  # those that are studied, of those of the run
     repeats: Count  # a time is the median of so many runs
     patience: NonNegative  # s; what took longer in all is not repeated
     full_order: FullOrder
     reduced: dict[Name, list[Sweep]]  # by method
+
+    jobs = {"scene": "cost_full_order", "models": "cost_reduced"}
+    reads = {
+        "scene": ("full_order/release",),
+        "models": (
+            "full_order/train",
+            "full_order/test",
+            "full_order/forced",
+            "full_order/frc",
+            "decay",
+            "forced",
+            "frc",
+        ),
+    }
+    experiments = ("decay", "forced", "frc")
+    settings = {
+        "scene": ("repeats", "patience", "full_order"),
+        "models": ("repeats", "patience", "reduced"),
+    }
+    parts = {
+        "scene": "studies.parts.cost_full_order",
+        "models": "studies.parts.cost_reduced",
+    }

@@ -1,4 +1,7 @@
-"""Robustness: far from the training data, for long, integrated loosely, with and without guards."""
+"""Robustness: far from the training data, for long, integrated loosely, with and without guards.
+
+Of a fitted model see `parts.robustness_model`, of the full order `parts.robustness_full_order`.
+"""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -8,6 +11,7 @@ from msgspec import Meta
 from vibrom.config.kinds import Count, Fraction, Name, NonNegative, Positive, Several
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Guards
+from vibrom.studies import Study
 
 
 @dataclass(frozen=True)
@@ -31,10 +35,9 @@ class FullOrder:
 
 
 @dataclass(frozen=True)
-class Robustness:
+class Robustness(Study):
     """The grid of runs."""
 
-    scenes: list[Name]  # those that are studied, of those of the run
     # of one and the same fitted model; the first is what the others are compared with
     guards: Annotated[dict[Name, Guards], Meta(min_length=1)]
     # the first one for every guard, the others with the first guard
@@ -45,3 +48,35 @@ class Robustness:
     releases: Count  # random states that are released, and as many that are forced
     beyond: Positive  # how far out they lie at most, divided by the training range
     full_order: FullOrder
+
+    jobs = {"scene": "robustness", "model": "robustness"}
+    reads = {
+        "scene": ("full_order/frc",),
+        "model": (
+            "full_order/train",
+            "full_order/test",
+            "full_order/forced",
+            "full_order/frc",
+            "decay",
+            "forced",
+            "frc",
+            "eigenvalues",
+        ),
+    }
+    experiments = ("decay", "forced", "frc", "eigenvalues")
+    settings = {
+        "scene": ("full_order",),
+        "model": (
+            "guards",
+            "integrators",
+            "forcing",
+            "frequency",
+            "periods",
+            "releases",
+            "beyond",
+        ),
+    }
+    parts = {
+        "scene": "studies.parts.robustness_full_order",
+        "model": "studies.parts.robustness_model",
+    }

@@ -80,7 +80,7 @@ def equilibrium(
     tolerance: float = 1e-8,
     max_iterations: int = 15,
 ) -> np.ndarray:
-    """Q (n,) [m] under the dead load and `signal` times the load, reached from the equilibrium
+    """q (n,) [m] under the dead load and `signal` times the load, reached from the equilibrium
     `start` (rest) in about `steps` steps.
 
     The load grows in a straight line from the one that holds `start`. A step that does not converge
