@@ -211,7 +211,7 @@ def curve(
             clock.append(spent)
             if turn == 0:
                 began = time.process_time()
-                rom = chosen.model(training, problem, learner.learnt())
+                rom = chosen.model(training, problem, *learner.learnt())
                 making.append(time.process_time() - began)
                 judge(rom, method, scene, found)
             if not ahead:

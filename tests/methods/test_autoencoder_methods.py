@@ -13,8 +13,9 @@ import yaml
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_matrix, diags
 
-from vibrom.latent.autoencoder_method import fit_first_order
+from vibrom.latent.coefficients import fit_first_order, least_loss
 from vibrom.latent.coordinates import Coordinates, static_norm
+from vibrom.latent.learner import Learner
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.methods import method_from_settings
 from vibrom.methods.decoupled_autoencoder import DecoupledAutoencoder
@@ -297,6 +298,30 @@ def test_the_norm_of_accelerations():
     assert norms["static"].full == method.acceleration_full
     with pytest.raises(MethodError, match="acceleration_norm is 'dynamic'"):
         Split(acceleration_norm="dynamic")
+
+
+@pytest.mark.parametrize("latent, linear, norm", [(1, "pod", "plain"), (2, "modes", "static")])
+def test_refitted_coefficients_are_where_the_loss_has_no_slope(latent, linear, norm):
+    data = training(latent)
+    method = Split(
+        **QUICK, latent=latent, linear=linear, acceleration_norm=norm, precision="float64"
+    )
+    problem = method.problem(data)
+    learner = Learner(
+        problem.autoencoder,
+        problem.dynamics,
+        torch.float64,
+        problem.device,
+        torch.Generator().manual_seed(0),
+    )
+    c, rom = torch.tensor(problem.train), method.model(data, problem, *learner.learnt())
+    slopes = []
+    found = least_loss(problem.dynamics, rom.encoder, rom.decoder, problem.train)
+    for xi in (np.zeros_like(found), found):
+        learner.parts[-1].copy_(torch.tensor(xi / problem.dynamics.gain))
+        learner.losses(c)
+        slopes.append(float(learner.slopes[-1].abs().max()))
+    assert slopes[1] < 1e-9 * slopes[0]
 
 
 def test_least_squares_weigh_amplitudes():

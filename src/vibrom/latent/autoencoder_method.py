@@ -6,7 +6,7 @@ training data  ->  Problem: coordinates, samples, networks  ->  weights  ->  Aut
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -16,7 +16,6 @@ from vibrom.latent import coordinates
 from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.networks import Network
-from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
 
@@ -38,6 +37,16 @@ class Problem:
     autoencoder: Autoencoder
     dynamics: Dynamics | None  # learnt together with the networks
     device: torch.device
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What a training found."""
+
+    encoder: Network
+    decoder: Network
+    motion: np.ndarray  # (3, m, d): z, dz/dtau, d2z/dtau2 of all training data
+    coefficients: np.ndarray | None  # Xi (d, l), of dynamics that were learnt with the networks
 
 
 @dataclass(frozen=True)
@@ -86,16 +95,8 @@ class AutoencoderMethod(Method):
         """What is learnt together with the autoencoder from samples (3, m, k); None: nothing."""
 
     @abstractmethod
-    def coefficients(
-        self,
-        motion: np.ndarray,
-        learnt: np.ndarray | None,
-        training: Training,
-        frequency: float,
-    ) -> np.ndarray:
-        """Coefficients (d, l) or (2d, l) of all monomials 1..order, from the encoded motion z,
-        dz/dtau, d2z/dtau2 (3, m, d) and from what was learnt with the networks.
-        """
+    def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
+        """Coefficients (d, l) or (2d, l) of all monomials 1..order, in scaled time."""
 
     def prepare(self, device: str) -> None:
         """See Method: torch takes seconds to import, and loads more at its first use."""
@@ -177,54 +178,31 @@ class AutoencoderMethod(Method):
         training: Training,
         problem: Problem,
         weights: list[np.ndarray],
-        found: np.ndarray | None,
+        coefficients: np.ndarray | None,
     ) -> AutoencoderRom:
         """The model with these weights and, if dynamics were learnt with them, coefficients."""
         chosen, (encoder_linear, decoder_linear) = problem.coordinates, problem.straight
         half = len(weights) // 2
-        if self._modes:
-            decoder = Network(weights[half:], decoder_linear, self.activation)
-            decoder_linear = decoder_linear - decoder.slope_at_rest()
         encoder = Network(weights[:half], encoder_linear, self.activation)
+        decoder = Network(weights[half:], decoder_linear, self.activation)
+        if self._modes:
+            decoder = replace(decoder, linear=decoder_linear - decoder.slope_at_rest())
         motion = encoder.motion(chosen.stack(training.trajectories))
         largest = np.abs(motion[:2]).max(axis=1)
+        learnt = Learnt(encoder, decoder, motion, coefficients)
         return AutoencoderRom(
             reach=np.concatenate([largest[0], largest[1] * chosen.frequency]),
             sizes=np.array(problem.autoencoder.sizes),
             weights=np.concatenate([part.ravel() for part in weights]),
-            encoder_linear=encoder_linear,
-            decoder_linear=decoder_linear,
+            encoder_linear=encoder.linear,
+            decoder_linear=decoder.linear,
             basis=chosen.basis,
             scale=chosen.scale,
             frequency=chosen.frequency,
-            coefficients=self.coefficients(motion, found, training, chosen.frequency),
+            coefficients=self.coefficients(learnt, problem, training),
             mass=None if training.structure is None else training.structure.mass,
             order=self.order,
             activation=self.activation,
             force_rule=self.force_rule,
             decoder_beyond=self.decoder_beyond,
         )
-
-
-def fit_first_order(
-    motion: np.ndarray, order: int, linear: np.ndarray | None, amplitude_power: float
-) -> np.ndarray:
-    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares, from z, z', z'' (3, m, d);
-    `linear` R0 (d, 2d) keeps the second row's linear part fixed.
-
-    A sample weighs |(z, z')|^amplitude_power. What one coordinate leaves of the motion, the
-    vibration of other modes, decays with it: errors are in proportion to the amplitude, and the
-    power -1 makes them alike (generalised least squares; Aitken, Proc. R. Soc. Edinb. 55 (1936)
-    42).
-    """
-    z, first, second = motion
-    y, d = np.hstack([z, first]), z.shape[1]
-    target = np.hstack([first, second])
-    size = np.linalg.norm(y, axis=1)
-    # A sample at rest says nothing, and must not weigh infinitely.
-    weight = (np.maximum(size / size.max(), 1e-6) ** amplitude_power)[:, None]
-    if linear is None:
-        return least_squares(weight * monomials(y, exponents(2 * d, 1, order)), weight * target)
-    fixed = np.vstack([np.eye(2 * d)[d:], linear])
-    rest = weight * monomials(y, exponents(2 * d, 2, order))
-    return np.hstack([fixed, least_squares(rest, weight * (target - y @ fixed.T))])

@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from vibrom.config.kinds import Count
-from vibrom.latent.autoencoder_method import AutoencoderMethod, fit_first_order
+from vibrom.latent.autoencoder_method import AutoencoderMethod, Learnt, Problem
+from vibrom.latent.coefficients import fit_first_order
 from vibrom.latent.coordinates import Coordinates
 from vibrom.models.training import Training
 
@@ -32,12 +33,6 @@ class DecoupledAutoencoder(AutoencoderMethod):
     def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> None:
         """See AutoencoderMethod: nothing."""
 
-    def coefficients(
-        self,
-        motion: np.ndarray,
-        learnt: np.ndarray | None,
-        training: Training,
-        frequency: float,
-    ) -> np.ndarray:
+    def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
         """See AutoencoderMethod."""
-        return fit_first_order(motion, self.order, None, self.amplitude_power)
+        return fit_first_order(learnt.motion, self.order, None, self.amplitude_power)

@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibrom.config.kinds import NonNegative, Positive
-from vibrom.latent.autoencoder_method import AutoencoderMethod
+from vibrom.latent.autoencoder_method import AutoencoderMethod, Learnt, Problem
+from vibrom.latent.coefficients import least_loss
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents
 from vibrom.models.training import Training
@@ -36,6 +37,9 @@ class SindyAutoencoder(AutoencoderMethod):
     # learning rate of the coefficients over that of the weights: the linear ones have the longest
     # way to go
     coefficient_gain: Positive = 10.0
+    # the coefficients minimise the loss of the trained networks exactly; false, or with sparsity:
+    # they stay as the optimiser leaves them
+    refit: bool = True
 
     def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics:
         """See AutoencoderMethod."""
@@ -52,12 +56,8 @@ class SindyAutoencoder(AutoencoderMethod):
             self.sparsity,
         )
 
-    def coefficients(
-        self,
-        motion: np.ndarray,
-        learnt: np.ndarray | None,
-        training: Training,
-        frequency: float,
-    ) -> np.ndarray:
+    def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
         """See AutoencoderMethod."""
-        return learnt
+        if self.refit and not self.sparsity:
+            return least_loss(problem.dynamics, learnt.encoder, learnt.decoder, problem.train)
+        return learnt.coefficients

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from vibrom.config.kinds import NonNegative, Positive
-from vibrom.latent.autoencoder_method import AutoencoderMethod
+from vibrom.latent.autoencoder_method import AutoencoderMethod, Learnt, Problem
 from vibrom.latent.coordinates import Coordinates, linear_dynamics, static_norm
 from vibrom.latent.polynomial import exponents
 from vibrom.models.training import Training
@@ -58,13 +58,6 @@ class Split(AutoencoderMethod):
             norm=static_norm(structure, chosen) if static else None,
         )
 
-    def coefficients(
-        self,
-        motion: np.ndarray,
-        learnt: np.ndarray | None,
-        training: Training,
-        frequency: float,
-    ) -> np.ndarray:
+    def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
         """See AutoencoderMethod."""
-        known = linear_dynamics(training.require_structure("split"), self.latent, frequency)
-        return np.hstack([known, learnt])
+        return np.hstack([problem.dynamics.linear, learnt.coefficients])

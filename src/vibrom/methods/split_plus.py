@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from vibrom.config.kinds import Count
-from vibrom.latent.autoencoder_method import fit_first_order
 from vibrom.latent.autoencoder_rom import AutoencoderRom
+from vibrom.latent.coefficients import fit_first_order
 from vibrom.latent.coordinates import linear_dynamics
 from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
