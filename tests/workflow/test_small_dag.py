@@ -10,13 +10,13 @@ import pytest
 from project_copy import ROOT, command, copy
 
 from vibrom.artefacts.data import KINDS, open_dataset
-from vibrom.report import names
+from vibrom.report import outputs
 
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
-HARD = {"model_stability", "stability_tables", "stability_figures"}
-COST = {"cost_reduced", "cost_tables", "cost_figures"}
+ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures"}
+COST = {"cost_models", "cost_tables", "cost_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "report", "tracking", "headline", "all"}
 
 
@@ -65,7 +65,7 @@ def test_every_artefact_is_there_and_says_what_made_it(run):
         f"{method}/unseeded" for method in FITTED_ONCE
     ]
     for folder in folders:
-        for name in ("rom", "losses", *EXPERIMENTS, "stability"):
+        for name in ("rom", "losses", *EXPERIMENTS, "robustness"):
             data = open_dataset(run.results / "folding" / folder / f"{name}.nc", name)
             assert data.attrs["scene"] == "folding" and data.attrs["method"] == folder.split("/")[0]
             assert len(data.attrs["source_digest"]) == 16 and "python" in json.loads(
@@ -78,12 +78,14 @@ def test_every_artefact_is_there_and_says_what_made_it(run):
 
 
 def test_every_table_figure_and_page_is_there(run):
-    wanted = [f"tables/{name}.{form}" for name in names.tables() for form in names.TABLE_FORMATS]
-    wanted += [
-        f"figures/{name}.{form}"
-        for name in names.figures(["folding"])
-        for form in names.FIGURE_FORMATS
-    ]
+    wanted = []
+    for family in outputs.families():
+        made = {
+            "tables": outputs.tables(family, EXPERIMENTS),
+            "figures": outputs.figures(family, ["folding"]),
+        }
+        for kind, forms in outputs.FORMATS.items():
+            wanted += [f"{kind}/{name}.{form}" for name in made[kind] for form in forms]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (run.results / name).stat().st_size > 0, name
 
@@ -148,8 +150,8 @@ def test_list_shows_one_rule_a_method(run):
     assert {f"fit_{method}" for method in SEEDED + FITTED_ONCE} <= set(listed)
 
 
-def test_effects_are_asked_without_any_reduced_model(run):
-    answer = run.snakemake("effects", "--dry-run", "--forceall", "--quiet", "rules")
+def test_the_ablation_needs_no_reduced_model(run):
+    answer = run.snakemake("ablation", "--dry-run", "--forceall", "--quiet", "rules")
     jobs = set(
         re.findall(
             r"^(\w+) +\d+$",
@@ -160,21 +162,21 @@ def test_effects_are_asked_without_any_reduced_model(run):
     assert jobs == {
         "structure",
         "release",
-        "full_order_effects",
-        "effects_tables",
-        "effects_figures",
-        "effects",
+        "ablation_scene",
+        "ablation_tables",
+        "ablation_figures",
+        "ablation",
     }
 
 
 def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
-    path = run.folder / "small_effects.yaml"
-    path.write_text("effects: {decay_periods: 3}\n")
+    path = run.folder / "longer.yaml"
+    path.write_text("studies: {ablation: {decay_periods: 3}}\n")
     jobs = run.planned(overlays=(str(path),))
     assert set(jobs) == {
-        "full_order_effects",
-        "effects_tables",
-        "effects_figures",
+        "ablation_scene",
+        "ablation_tables",
+        "ablation_figures",
         "report",
         "tracking",
         "headline",
@@ -193,9 +195,10 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     # Its variant is fitted by the same code.
     fits, asked = (
         {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1},
-        dict.fromkeys((*EXPERIMENTS, "model_stability"), 2),
+        dict.fromkeys((*EXPERIMENTS, "robustness_model"), 2),
     )
-    assert jobs == {**fits, **asked, **dict.fromkeys(SINKS | COST | HARD - {"model_stability"}, 1)}
+    shown = SINKS | COST | ROBUSTNESS - {"robustness_model"}
+    assert jobs == {**fits, **asked, **dict.fromkeys(shown, 1)}
     assert run.planned() == {}
 
 
@@ -205,7 +208,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(re.sub(r"settings:.*", "settings: {order: 2}", before, flags=re.DOTALL))
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *HARD, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *ROBUSTNESS, *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):
@@ -216,7 +219,7 @@ def test_a_part_of_the_scene_runs_only_what_reads_it(run):
     path.write_text(before.replace("description: ", "description: now "))
     described = run.planned()
     path.write_text(before)
-    assert "structure" not in timed and timed["full_order_decay"] == 2
+    assert "structure" not in timed and timed["record"] == 2
     assert described == {}
 
 
@@ -230,8 +233,8 @@ def test_the_study_of_costs_is_a_target_of_its_own(run):
     jobs = run.planned("cost")
     path.write_text(before)
     assert jobs == {
-        "cost_full_order": 1,
-        "cost_reduced": 1,
+        "cost_scene": 1,
+        "cost_models": 1,
         "cost_tables": 1,
         "cost_figures": 1,
         "cost": 1,
@@ -243,7 +246,7 @@ def test_tables_and_figures_are_targets_of_all_families(run):
         answer = run.snakemake("--cores", "1", target)
         assert answer.returncode == 0 and "Nothing to be done" in answer.stdout + answer.stderr
         jobs = run.planned("--forceall", target)
-        assert {f"{family}_{target}" for family in names.FAMILIES} <= set(jobs)
+        assert {f"{family}_{target}" for family in outputs.families()} <= set(jobs)
     assert not set(EXPERIMENTS) & set(run.planned("--forceall", "cost"))
 
 
