@@ -34,15 +34,14 @@ FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 
 
-def studied(study):
-    """The scenes of this run that a study is about."""
-    block = SETTINGS.studies.get(study)
-    return [] if block is None else [name for name in block.get("scenes", SCENES) if name in SCENES]
-
-
-COST_NAMES = [*FULL_ORDER_NAMES, "cost_full_order", "cost_reduced"]
-ROBUSTNESS = of_full_order(studied("robustness"), ["frc", "robustness"])
-ROBUSTNESS += of_models(studied("robustness"), ["robustness"])
+def of_study(study):
+    """What its jobs make, and what they read of the full order."""
+    if study not in STUDIES:
+        return Family([], [])
+    needs = [need for reads in STUDIES[study]["reads"].values() for need in reads if "/" in need]
+    known = sorted({"structure", *(need.removeprefix("full_order/") for need in needs)})
+    scenes = STUDY_SCENES[study]
+    return Family(scenes, study_files(study) + of_full_order(scenes, known))
 
 
 class Family(NamedTuple):
@@ -52,12 +51,11 @@ class Family(NamedTuple):
     artefacts: list
 
 
+STUDIED = {study: of_study(study) for study in names("studies")}
 FAMILIES = {
     # What guards promise is among the checks.
-    "models": Family(list(SCENES), ARTEFACTS + ROBUSTNESS),
-    "cost": Family(studied("cost"), of_full_order(studied("cost"), COST_NAMES)),
-    "ablation": Family(studied("ablation"), of_full_order(studied("ablation"), ["ablation"])),
-    "robustness": Family(studied("robustness"), ROBUSTNESS),
+    "models": Family(list(SCENES), ARTEFACTS + STUDIED["robustness"].artefacts),
+    **STUDIED,
 }
 for NAME in outputs.families():
     if NAME not in FAMILIES:
