@@ -34,7 +34,7 @@ KINDS: dict[str, frozenset[str]] = {
     "losses": frozenset({"train_total"}),
 }
 ANSWER = frozenset({"outcome", "failed_at", "seconds", "score_value"})
-STUDY = frozenset({"outcome"})  # of an artefact that names the study that made it
+STUDY = frozenset[str]()  # of an artefact that names the study that made it
 
 
 def variable(dims, values, units: str, long_name: str, **attributes) -> xr.Variable:
