@@ -34,6 +34,7 @@ KINDS: dict[str, frozenset[str]] = {
     "losses": frozenset({"train_total"}),
 }
 ANSWER = frozenset({"outcome", "failed_at", "seconds", "score_value"})
+STUDY = frozenset[str]()  # of an artefact that names the study that made it
 
 
 def variable(dims, values, units: str, long_name: str, **attributes) -> xr.Variable:
@@ -75,7 +76,8 @@ def check(dataset: xr.Dataset, kind: str, where: str) -> None:
             f"{where}: kind is {found!r}, but {kind!r} is needed here; give a file made by the "
             "matching rule"
         )
-    missing = sorted(KINDS.get(kind, ANSWER) - set(dataset.variables))
+    needed = KINDS.get(kind, STUDY if "study" in dataset.attrs else ANSWER)
+    missing = sorted(needed - set(dataset.variables))
     if missing:
         raise DataError(
             f"{where}: the {kind} lacks {', '.join(missing)}; delete the file and run again"

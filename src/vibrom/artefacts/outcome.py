@@ -23,8 +23,16 @@ class Outcome(StrEnum):
     severity: Severity
     sentence: str  # what a person reads
 
-    def __new__(cls, word: str, has_value: bool, severity: Severity, sentence: str) -> Outcome:
-        """A member whose value is its word."""
+    def __new__(
+        cls,
+        word: str,
+        has_value: bool = False,
+        severity: Severity = Severity.FAILURE,
+        sentence: str = "",
+    ) -> Outcome:
+        """A member whose value is its word; the defaults are for type checkers, which see this in
+        `Outcome(word)`.
+        """
         member = str.__new__(cls, word)
         member._value_ = word
         member.has_value, member.severity, member.sentence = has_value, severity, sentence

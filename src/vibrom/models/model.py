@@ -53,10 +53,25 @@ class Motion:
 class Model(Protocol):
     """The full order and a fitted reduced model alike."""
 
-    size: int  # n, free displacements
-    probes: np.ndarray  # (k,) free displacement that each probe of the scene watches
-    frequency: float  # rad/s, damped first frequency of the scene
-    samples: int  # instants of a period at which the model is known without extra cost
+    @property
+    def size(self) -> int:
+        """n, free displacements."""
+        ...
+
+    @property
+    def probes(self) -> np.ndarray:
+        """(k,) free displacement that each probe of the scene watches."""
+        ...
+
+    @property
+    def frequency(self) -> float:
+        """Damped first frequency of the scene [rad/s]."""
+        ...
+
+    @property
+    def samples(self) -> int:
+        """Instants of a period at which the model is known without extra cost."""
+        ...
 
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
         """From `start` (b, 2n) [m, m/s] at t = 0, driven or left alone."""
