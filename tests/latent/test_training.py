@@ -77,7 +77,7 @@ def train(monitor=None, dynamics=DYNAMICS, data=None, seed=7, label="", **change
         monitor=monitor or Clock(),
         label=label,
     )
-    return weights if found is None else [*weights, found]
+    return [*weights, found]
 
 
 def same(one, two):

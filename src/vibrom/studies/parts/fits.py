@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from statistics import median
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from vibrom.methods import method_from_settings
 from vibrom.models.method import Method
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rom import Rom, rom_from_dataset
-from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged, Trajectory
+from vibrom.models.training import Clock, MethodError, Training, TrainingDiverged, Trajectory
 from vibrom.studies import Case, Fitted
 from vibrom.studies.parts.timing import Measured, repeated
 
@@ -76,22 +74,6 @@ class Fit:
         return {f"{name}_seconds": value for name, value in seconds.items()} | {"fits": self.fits}
 
 
-class Clock(Monitor):
-    """Seconds of each phase of a fit."""
-
-    def __init__(self) -> None:
-        self.seconds = {"mapping": 0.0, "dynamics": 0.0}
-
-    @contextmanager
-    def phase(self, name: str) -> Iterator[None]:
-        """Adds to a phase."""
-        began = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[name] += perf_counter() - began
-
-
 class Fits:
     """The training data of a scene, and the models that were fitted to it."""
 
@@ -144,10 +126,10 @@ class Fits:
             rom, _, fits = repeated(call, self.repeats, self.patience)
         except TrainingDiverged:
             return replace(fit, outcome=Outcome.TRAINING_DIVERGED)
-        mapping, dynamics = (
-            median(clock.seconds[name] for clock in clocks) for name in ("mapping", "dynamics")
+        dynamics = median(clock.spent("dynamics") for clock in clocks)
+        mapping = fit.mapping + median(
+            clock.spent("total") - clock.spent("dynamics") for clock in clocks
         )
-        mapping += fit.mapping
         return replace(fit, rom=rom, mapping=mapping, dynamics=dynamics, fits=fits)
 
     def _selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
@@ -165,12 +147,8 @@ class Fits:
 
 
 def learnt(method: Method, training: Training, clock: Clock) -> tuple[Rom, float]:
-    """A fitted model and the seconds that it took; what is in no phase counts as dynamics."""
-    began = perf_counter()
-    rom = method.learn(replace(training, monitor=clock))
-    seconds = perf_counter() - began
-    clock.seconds["dynamics"] = seconds - clock.seconds["mapping"]
-    return rom, seconds
+    """A fitted model and the seconds that it took."""
+    return method.learn(replace(training, monitor=clock)), clock.spent("total")
 
 
 def _brief(recipe: Recipe) -> Recipe:
