@@ -1,12 +1,13 @@
 # make         the main job: environment, then every table and figure
-# make test    environment, then all tests
+# make test    environment, then all checks and tests
+# make check   environment, then what takes seconds: format, lint, types, contracts, quick tests
 # make bench   environment, then every speed comparison
 PYTHON ?= python3
 CORES ?= 2
 PORT ?= 5000
 BIN := .venv/bin
 
-.PHONY: run env environment test ui report lock bench
+.PHONY: run env environment static check test ui report lock bench
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -21,8 +22,17 @@ env: environment
 environment:
 	@sh envs/make.sh $(PYTHON)
 
-test: environment
-	$(BIN)/lint-imports
+static: environment
+	$(BIN)/ruff format --check -q .
+	$(BIN)/ruff check -q .
+	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/lint-imports --no-cache > /dev/null || $(BIN)/lint-imports
+	$(BIN)/mypy
+
+check: static
+	$(BIN)/python -m pytest -q -m "not slow"
+
+test: static
 	$(BIN)/python -m pytest
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
@@ -33,13 +43,13 @@ report: environment
 	$(BIN)/snakemake --cores $(CORES) --report results/snakemake_report.html
 	@echo "Next: open results/snakemake_report.html"
 
-# Resolve the dependencies of pyproject.toml anew, for every Python that it claims.
+# Resolve the dependencies of pyproject.toml again, for every Python that it claims.
 lock: environment
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade --group test --group bench pyproject.toml -o envs/requirements.txt
 	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade - -o envs/uv.txt
-	@echo "Next: 'make test' makes the environment anew and tries it."
+	@echo "Next: 'make test' makes the environment again and tries it."
 
 # How fast, against what: every comparison, results/benchmarks.csv and results/benchmarks.html.
 bench: environment

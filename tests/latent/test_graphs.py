@@ -20,15 +20,15 @@ SAMPLES = np.random.default_rng(0).standard_normal((3, 40, 5))
 
 def trained(device="cpu", **changes):
     """Weights and Xi after 30 epochs."""
-    settings = dict(
-        epochs=30,
-        batch=16,
-        shuffle=True,
-        learning_rate=1e-2,
-        profile="one_cycle",
-        precision="float64",
-        optimiser="soap",
-    )
+    settings = {
+        "epochs": 30,
+        "batch": 16,
+        "shuffle": True,
+        "learning_rate": 1e-2,
+        "profile": "one_cycle",
+        "precision": "float64",
+        "optimiser": "soap",
+    }
     weights, found = loop.train(
         Autoencoder((5, 8, 1), "silu"),
         DYNAMICS,

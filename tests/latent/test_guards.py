@@ -74,6 +74,17 @@ def test_its_compiled_form():
     )
 
 
+def by_a_general_optimiser(matrix, target, rows, bounds):
+    return minimize(
+        lambda x: np.sum((matrix @ x - target) ** 2),
+        np.zeros(5),
+        method="SLSQP",
+        options={"ftol": 1e-14, "maxiter": 500},
+        jac=lambda x: 2 * matrix.T @ (matrix @ x - target),
+        constraints={"type": "ineq", "fun": lambda x: bounds - rows @ x, "jac": lambda x: -rows},
+    )
+
+
 def test_constrained_least_squares_against_a_general_optimiser():
     for seed in range(5):
         rng = np.random.default_rng(seed)
@@ -84,24 +95,13 @@ def test_constrained_least_squares_against_a_general_optimiser():
         )
         bounds = rows @ rng.standard_normal(5) + 0.1  # some x obeys
         x = constrained_least_squares(matrix, target, rows, bounds)
-        other = minimize(
-            lambda x: np.sum((matrix @ x - target) ** 2),
-            np.zeros(5),
-            method="SLSQP",
-            options={"ftol": 1e-14, "maxiter": 500},
-            jac=lambda x: 2 * matrix.T @ (matrix @ x - target),
-            constraints={
-                "type": "ineq",
-                "fun": lambda x: bounds - rows @ x,
-                "jac": lambda x: -rows,
-            },
-        )
+        other = by_a_general_optimiser(matrix, target, rows, bounds)
         assert (rows @ x <= bounds + 1e-10).all() and (rows @ x > bounds - 1e-10).any()
         np.testing.assert_allclose(x, other.x, atol=1e-6)  # SLSQP stops at 1e-14 in the square
 
 
 def learnt(acceleration, *, start=0.8, periods=12, **guards) -> PolynomialRom:
-    """Modal projection of one degree of freedom released from `start`, omega = 1, with these guards."""
+    """Modal projection of one degree of freedom, omega = 1, released from `start`, with guards."""
     t = np.linspace(0, 2 * np.pi * periods, 200 * periods + 1)
     z, v = solve_ivp(
         lambda t, y: [y[1], acceleration(*y)],

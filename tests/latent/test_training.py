@@ -33,15 +33,15 @@ def motion(samples=64):
 
 
 def schedule(**changes):
-    settings = dict(
-        epochs=30,
-        batch=16,
-        shuffle=True,
-        learning_rate=1e-2,
-        profile="one_cycle",
-        precision="float32",
-        optimiser="soap",
-    )
+    settings = {
+        "epochs": 30,
+        "batch": 16,
+        "shuffle": True,
+        "learning_rate": 1e-2,
+        "profile": "one_cycle",
+        "precision": "float32",
+        "optimiser": "soap",
+    }
     return loop.Schedule(**settings | changes)
 
 
@@ -77,7 +77,7 @@ def train(monitor=None, dynamics=DYNAMICS, data=None, seed=7, label="", **change
         monitor=monitor or Clock(),
         label=label,
     )
-    return weights if found is None else [*weights, found]
+    return [*weights, found]
 
 
 def same(one, two):
@@ -96,7 +96,9 @@ def written_out(learner, weights, c, decoder_linear):
         return y @ chosen[-1].T
 
     def along(function, value, first, second):
-        slope = lambda at, velocity: torch.func.jvp(function, (at,), (velocity,))[1]
+        def slope(at, velocity):
+            return torch.func.jvp(function, (at,), (velocity,))[1]
+
         return slope(value, first), torch.func.jvp(slope, (value, first), (first, second))[1]
 
     decoder = weights[layers : 2 * layers]
@@ -158,14 +160,9 @@ def test_nothing_is_fetched_within_the_loop(optimiser, dynamics):
     learner = Learner(SHAPE, dynamics, torch.float32, device, torch.Generator().manual_seed(0))
     chosen = schedule(optimiser=optimiser, epochs=3)
     c = torch.empty(3, 64, 5, device=device)
-    for epoch, sums in loop.epochs(
-        learner,
-        OPTIMISERS[optimiser](learner.vector, learner.shapes),
-        chosen,
-        c,
-        torch.Generator().manual_seed(0),
-    ):
-        pass
+    optimiser = OPTIMISERS[optimiser](learner.vector, learner.shapes)
+    generator = torch.Generator().manual_seed(0)
+    *_, (epoch, sums) = loop.epochs(learner, optimiser, chosen, c, generator)
     assert epoch == chosen.epochs
     with pytest.raises((RuntimeError, NotImplementedError)):
         sums.tolist()

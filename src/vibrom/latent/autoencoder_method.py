@@ -46,7 +46,7 @@ class Learnt:
     encoder: Network
     decoder: Network
     motion: np.ndarray  # (3, m, d): z, dz/dtau, d2z/dtau2 of all training data
-    coefficients: np.ndarray | None  # Xi (d, l), of dynamics that were learnt with the networks
+    xi: np.ndarray  # (d, l), of the dynamics that were learnt with the networks; l = 0: of none
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class AutoencoderMethod(Method):
 
         with training.monitor.phase("mapping"):
             problem = self.problem(training)
-            weights, found = train(
+            weights, xi = train(
                 problem.autoencoder,
                 problem.dynamics,
                 self.plan(),
@@ -121,7 +121,7 @@ class AutoencoderMethod(Method):
                 label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}",
             )
         with training.monitor.phase("dynamics"):
-            return self.model(training, problem, weights, found)
+            return self.model(training, problem, weights, xi)
 
     def problem(self, training: Training) -> Problem:
         """What is to be learnt, from which samples."""
@@ -178,9 +178,9 @@ class AutoencoderMethod(Method):
         training: Training,
         problem: Problem,
         weights: list[np.ndarray],
-        coefficients: np.ndarray | None,
+        xi: np.ndarray,
     ) -> AutoencoderRom:
-        """The model with these weights and, if dynamics were learnt with them, coefficients."""
+        """The model with these weights and coefficients of learnt dynamics."""
         chosen, (encoder_linear, decoder_linear) = problem.coordinates, problem.straight
         half = len(weights) // 2
         encoder = Network(weights[:half], encoder_linear, self.activation)
@@ -189,7 +189,7 @@ class AutoencoderMethod(Method):
             decoder = replace(decoder, linear=decoder_linear - decoder.slope_at_rest())
         motion = encoder.motion(chosen.stack(training.trajectories))
         largest = np.abs(motion[:2]).max(axis=1)
-        learnt = Learnt(encoder, decoder, motion, coefficients)
+        learnt = Learnt(encoder, decoder, motion, xi)
         return AutoencoderRom(
             reach=np.concatenate([largest[0], largest[1] * chosen.frequency]),
             sizes=np.array(problem.autoencoder.sizes),

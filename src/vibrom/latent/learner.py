@@ -66,10 +66,12 @@ class Learner:
         parts = vector.split([shape.numel() for shape in self.shapes])
         return [part.view(shape) for part, shape in zip(parts, self.shapes)]
 
-    def learnt(self) -> tuple[list[np.ndarray], np.ndarray | None]:
-        """The weights, layer by layer, and Xi (d, l)."""
+    def learnt(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """The weights, layer by layer, and Xi (d, l); l is 0 without dynamics."""
         parts = [part.cpu().double().numpy().copy() for part in self.parts]
-        return (parts[:-1], self.dynamics.gain * parts[-1]) if self.dynamics else (parts, None)
+        if self.dynamics is None:
+            return parts, np.zeros((self.autoencoder.sizes[-1], 0))
+        return parts[:-1], self.dynamics.gain * parts[-1]
 
     def losses(self, c: torch.Tensor) -> torch.Tensor:
         """The `terms` of the loss of c (3, sample, k); the gradient of their total is left in

@@ -148,7 +148,7 @@ def train(
     device: torch.device,
     monitor: Monitor,
     label: str = "",
-) -> tuple[list[np.ndarray], np.ndarray | None]:
+) -> tuple[list[np.ndarray], np.ndarray]:
     """The weights and Xi that follow from samples (3, m, k). `label` and the samples tell the
     checkpoints of one training from those of another.
     """

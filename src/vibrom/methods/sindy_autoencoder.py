@@ -59,5 +59,6 @@ class SindyAutoencoder(AutoencoderMethod):
     def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
         """See AutoencoderMethod."""
         if self.refit and not self.sparsity:
-            return least_loss(problem.dynamics, learnt.encoder, learnt.decoder, problem.train)
-        return learnt.coefficients
+            dynamics = self.dynamics(training, problem.coordinates, problem.train)
+            return least_loss(dynamics, learnt.encoder, learnt.decoder, problem.train)
+        return learnt.xi

@@ -60,4 +60,5 @@ class Split(AutoencoderMethod):
 
     def coefficients(self, learnt: Learnt, problem: Problem, training: Training) -> np.ndarray:
         """See AutoencoderMethod."""
-        return np.hstack([problem.dynamics.linear, learnt.coefficients])
+        structure, frequency = training.require_structure("split"), problem.coordinates.frequency
+        return np.hstack([linear_dynamics(structure, self.latent, frequency), learnt.xi])
