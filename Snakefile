@@ -3,8 +3,8 @@
 #   snakemake --cores 2                 everything
 #   snakemake --cores 2 tables          only these (or: figures)
 #   snakemake --cores 2 cost            what accuracy costs in time
-#   snakemake --cores 2 effects         what each effect of a scene is worth; no model is trained
-#   snakemake --cores 2 stability       only the robustness study
+#   snakemake --cores 2 ablation        what each effect of a scene is worth; no model is trained
+#   snakemake --cores 2 robustness      far from the training data
 #   snakemake --list                    all rules; each method has its own
 import re
 import sys
