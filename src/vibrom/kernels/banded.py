@@ -55,8 +55,11 @@ SIGNATURES = Kernels(
     types.void(_band),
     types.void(_band, _rows),
 )
-# As a compiled loop takes them: pointers, so that it is not compiled again with them.
-POINTERS = types.Tuple([types.FunctionType(signature) for signature in SIGNATURES])
+
+
+def pointers() -> types.Tuple:
+    """The type of `Kernels` as a compiled loop takes them: it is not compiled again with them."""
+    return types.Tuple([types.FunctionType(signature) for signature in SIGNATURES])
 
 
 def half_bandwidth(matrix: spmatrix) -> int:

@@ -25,7 +25,7 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic, register_jitable
 from numba.np.arrayobj import make_array, populate_array
 
-from vibrom.kernels.compiled import edition, kernel, part
+from vibrom.kernels.compiled import edition, inlined, kernel, part
 from vibrom.kernels.vector import Lanes, common, spread
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "fill",
     "floor",
     "get",
+    "inlined",
     "kernel",
     "part",
     "paste",

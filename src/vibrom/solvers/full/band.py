@@ -221,7 +221,7 @@ def compiled(width: int, forces: int):
     @kernel(
         types.int64(
             machine_type(System),
-            banded.POINTERS,
+            banded.pointers(),
             types.Tuple((*kernels, each(places), each(rows), each(places))),
             machine_type(Work),
             *records,
