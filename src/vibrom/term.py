@@ -29,7 +29,7 @@ force_kernel, tangent_kernel = kernel(FORCE), kernel(TANGENT)
 
 
 class SceneError(ValueError):
-    """A body or effects that do not go together; the message names the key, the value and the cure."""
+    """A body or effects that do not go together; it names the key, the value and the cure."""
 
 
 @dataclass(frozen=True)

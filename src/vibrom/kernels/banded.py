@@ -209,7 +209,7 @@ def _product_kernels(width: int) -> tuple[Callable, Callable]:
 def _combine(width: int) -> Callable:
     @kernel(SIGNATURES.combine)
     def combine(parts, scales, band):
-        """parts (k, n, b + 1) that all states share; scales (k, width)."""
+        """Of parts (k, n, b + 1) that all states share, and scales (k, width)."""
         n, depth = band.shape[0], band.shape[1]
         entries, parts = band.reshape(n * depth, width), parts.reshape(parts.shape[0], n * depth)
         for at in range(n * depth):

@@ -62,9 +62,7 @@ def room(rows: int, width: int) -> np.ndarray:
 
 def _known(number) -> int:
     if not isinstance(number, types.IntegerLiteral):
-        raise TypingError(
-            "the number of lanes, or of rows on the stack, must be known when the kernel is compiled"
-        )
+        raise TypingError("lanes and rows on the stack must be counted when a kernel is compiled")
     return number.literal_value
 
 

@@ -21,10 +21,10 @@ from vibrom.kernels import banded, blocks
 from vibrom.kernels.banded import Product
 from vibrom.kernels.compiled import Blocks, Numbers, Rows, kernel, machine_type, part
 from vibrom.kernels.lanes import get, put, room
-from vibrom.solvers.full.batch import Batch, Loads, Steps, linear_tangent, mass_damping
-from vibrom.solvers.full.march import Span, State, Store, chunk, keep
+from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.scheme import predicted
+from vibrom.solvers.full.store import Span, State, Store, chunk, keep
 from vibrom.term import Term
 
 
@@ -96,6 +96,8 @@ def compiled(width: int):
 
 class LinearSteps:
     """A batch of states whose operator is factorised once; a `Stepper`."""
+
+    batch_width = staticmethod(batch_width)
 
     @staticmethod
     def compile(term: Term, width: int) -> None:

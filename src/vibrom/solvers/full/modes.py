@@ -54,7 +54,7 @@ def eigenmodes(term: Term, count: int) -> Modes:
             raise SceneError(
                 f"effects has no {effect}, and without it there are no eigenmodes; list {effect}"
             )
-    if not 1 <= count:
+    if count < 1:
         raise ValueError(f"count = {count}; needed is at least one mode")
     return _eigenmodes(_Statics(term), count)
 
