@@ -14,63 +14,57 @@ import numpy as np
 from numba import types
 from scipy.sparse import csr_matrix
 
-from vibrom.kernels.lanes import kernel
+from vibrom.kernels.compiled import Places, Rows, Vector, kernel, machine_type
 
-# f (n, width) += f_e(q, v), and values (slots, width) += scale_q df_e/dq + scale_v df_e/dv: of each
-# element of a symmetric force the lower triangle, row by row, of a non-symmetric one the whole
-# matrix.
-_states = types.float64[:, ::1]
-_index = types.int64[:, ::1]
-_scale = types.float64[::1]
+# f (n, width) += f_e(q, v)
+# values (slots, width) += scale_q df_e/dq + scale_v df_e/dv: of each element of a symmetric force
+# the lower triangle, row by row, of a non-symmetric one the whole matrix.
+_states, _index, _scale = machine_type(Rows), machine_type(Places), machine_type(Vector)
 FORCE = types.void(_states, _states, _index, _states, _states)
 TANGENT = types.void(_states, _states, _index, _states, _index, _scale, _scale, _states)
 
-
-force_kernel = kernel(FORCE)  # compiles `function(q, v, dofs, table, f)`
-tangent_kernel = kernel(
-    TANGENT
-)  # compiles `function(q, v, dofs, table, slots, scale_q, scale_v, values)`
+# Compile `function(q, v, dofs, table, f)` and
+# `function(q, v, dofs, table, slots, scale_q, scale_v, values)`; see docs/kernels.md.
+force_kernel, tangent_kernel = kernel(FORCE), kernel(TANGENT)
 
 
 class SceneError(ValueError):
-    """A body or effects that do not go together; the message names the key, the value and the cure."""
+    """A body or effects that do not go together; it names the key, the value and the cure."""
 
 
 @dataclass(frozen=True)
 class Force:
-    """A state-dependent force, element by element.
+    """A state-dependent force, element by element."""
 
-    kernels   width -> (force, tangent), compiled for `width` states side by side, the state index
-    last dofs      (elements, d) free dof of each local dof, -1 where it is clamped
-    table     what the kernels know of the elements
-    symmetric its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row);
-    otherwise d*d (row by row)
-    """
-
+    # width -> (force, tangent), compiled for `width` states side by side, the state index last
     kernels: Callable[[int], tuple[Callable, Callable]]
-    dofs: np.ndarray
-    table: np.ndarray
+    dofs: np.ndarray  # (elements, d) free dof of each local dof, -1 where it is clamped
+    table: np.ndarray  # what the kernels know of the elements
+    # Its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row); otherwise
+    # d*d (row by row).
     symmetric: bool = True
 
 
 @dataclass(frozen=True)
 class Term:
-    """mass [kg], damping [kg/s], stiffness [N/m] (n, n); forces [N]; load (n,) [N per unit of the
-    signal]; dead_load (n,) [N]; elastic (3, 3) [N/m]: stress resultants (s11, s22, s12) over
-    strains (e11, e22, 2 e12), thickness included; carried (n, 2) [kg]: the mass that a uniform
-    acceleration along x and y moves, M times the rigid translations, clamped dofs included.
-    """
+    """What some effects add to the equation of motion of n free displacements."""
 
-    mass: csr_matrix | None = None
-    damping: csr_matrix | None = None
-    stiffness: csr_matrix | None = None
-    forces: tuple[Force, ...] = ()
-    load: np.ndarray | None = None
-    dead_load: np.ndarray | None = None
+    mass: csr_matrix | None = None  # M (n, n) kg
+    damping: csr_matrix | None = None  # C (n, n) kg/s
+    stiffness: csr_matrix | None = None  # K (n, n) N/m
+    forces: tuple[Force, ...] = ()  # f_i, N
+    load: np.ndarray | None = None  # p (n,) N per unit of the signal
+    dead_load: np.ndarray | None = None  # p_0 (n,) N
+    # (3, 3) N/m: stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness
+    # included
     elastic: np.ndarray | None = None
+    # (n, 2) kg: the mass that a uniform acceleration along x and y moves, M times the rigid
+    # translations, clamped dofs included
     carried: np.ndarray | None = None
 
     def __add__(self, other: Term) -> Term:
+        """The sum, part by part."""
+
         def both(name: str):
             mine, theirs = getattr(self, name), getattr(other, name)
             return theirs if mine is None else mine if theirs is None else mine + theirs
@@ -81,17 +75,17 @@ class Term:
     @property
     def size(self) -> int:
         """n, the number of free displacements."""
-        return next(
-            part.shape[0]
-            for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load)
-            if part is not None
-        )
+        for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load):
+            if part is not None:
+                return part.shape[0]
+        raise SceneError("effects is empty: there is no body; list inertia and elasticity")
 
     def require(self, part: str, effect: str, brought_by: str):
         """The part of this name, or a SceneError that says which effect brings it."""
         value = getattr(self, part)
         if value is None:
             raise SceneError(
-                f"effects.{effect} needs {part}, and no effect before it brings one; list {brought_by} first"
+                f"effects.{effect} needs {part}, and no effect before it brings one; list "
+                f"{brought_by} first"
             )
         return value

@@ -1,6 +1,4 @@
-"""The compiled kernels against scikit-fem's readable forms, and the tangent against differences of
-the force.
-"""
+"""The compiled kernels against scikit-fem's readable forms."""
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ from skfem.helpers import ddot, grad, identity, trace
 
 from vibrom import effects
 from vibrom.bodies import space
-from vibrom.kernels.banded import band_slots
 
 CASES = [
     ("bilinear", "stress"),
@@ -76,35 +73,6 @@ def test_linear_stiffness_is_that_of_the_form(element, plane):
     expected = oracle(made, elasticity, u)
     # What the geometry adds is of relative size u/L, about 1e-8 here.
     assert np.abs(term.stiffness @ u - expected).max() <= 1e-6 * np.abs(expected).max()
-
-
-@pytest.mark.parametrize("element, plane", CASES)
-def test_tangent_is_the_derivative_of_the_force(element, plane):
-    made, term, _ = built(element, plane)
-    rng, force = np.random.default_rng(3), term.forces[0]
-    u, direction = 0.02 * rng.standard_normal((2, made.size))
-    half = made.size - 1
-    values, one = np.zeros((made.size * (half + 1), 1)), np.ones(1)
-    force.kernels(1)[1](
-        u[:, None].copy(),
-        np.zeros((made.size, 1)),
-        force.dofs,
-        force.table,
-        band_slots(force.dofs, half),
-        one,
-        one,
-        values,
-    )
-    lower = values.reshape(made.size, half + 1)
-    tangent = np.zeros((made.size, made.size))
-    for column in range(made.size):
-        tangent[column:, column] = lower[column, : made.size - column]
-    tangent = tangent + np.tril(tangent, -1).T
-    step = 1e-3
-    # The force is a cubic polynomial: Richardson's central differences are exact up to rounding.
-    f = {k: kernel_force(term, u + k * step * direction, 1)[:, 0] for k in (-2, -1, 1, 2)}
-    expected = (8 * (f[1] - f[-1]) - (f[2] - f[-2])) / (12 * step)
-    assert np.abs(tangent @ direction - expected).max() <= 1e-9 * np.abs(expected).max()
 
 
 def test_rigid_rotation_makes_no_force():

@@ -8,12 +8,14 @@ from numba import njit
 from scenes import CANTILEVER, LINEAR, THESIS, UNDAMPED, body
 
 from vibrom import effects
+from vibrom.artefacts.outcome import Outcome
 from vibrom.bodies import space
-from vibrom.kernels.lanes import get
+from vibrom.kernels.lanes import get, put
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
-from vibrom.solvers.full.scheme import extrapolated
+from vibrom.solvers.full.scheme import Scheme, extrapolated, predicted, weights
 from vibrom.solvers.full.static import equilibrium
+from vibrom.term import SceneError
 
 
 @pytest.fixture(scope="module")
@@ -49,33 +51,37 @@ def test_linear_decay_is_that_of_the_damped_mode():
     assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
 
 
-def test_guess_is_exact_for_a_cubic_and_an_alternation():
-    """Of the acceleration; displacement and velocity follow by Newmark's formulas."""
-    gamma, beta, step = 0.505, 0.25 * 1.005**2, np.array([[0.1, 0.2]])
-    t = np.arange(-4.0, 2.0)[:, None, None] * step
-    a = 1.0 + 2.0 * t - 3.0 * t**2 + 5.0 * t**3 + 0.7 * (-1.0) ** np.arange(6)[:, None, None]
+SCHEME = Scheme.of(0.01)
 
-    @njit
-    def run(q, v, a, past, plain_q, plain_v, h):
-        predict(q, v, a, past, plain_q, plain_v, get(h, 0, 2), gamma, beta, 2)
 
-    q, v, guess, past, plain_q, plain_v = (
-        np.full((1, 2), 0.3),
-        np.full((1, 2), -0.4),
-        a[4].copy(),
-        a[3::-1].copy(),
-        np.zeros((1, 2)),
-        np.zeros((1, 2)),
+@njit
+def of_lanes(q, v, a, past, h, ends):
+    """The formulas on registers of two states, as a compiled step evaluates them."""
+    plain = predicted(SCHEME, get(h, 0, 2), get(q, 0, 2), get(v, 0, 2), get(a, 0, 2))
+    guess = extrapolated(
+        get(a, 0, 2), get(past, 0, 2), get(past, 1, 2), get(past, 2, 2), get(past, 3, 2)
     )
-    run(q, v, guess, past, plain_q, plain_v, step)
-    np.testing.assert_allclose(guess, a[5], rtol=1e-12)
-    np.testing.assert_array_equal(past, a[4:0:-1])
-    np.testing.assert_allclose(
-        plain_q, 0.3 - 0.4 * step + step**2 * (0.5 - beta) * a[4], rtol=1e-12
-    )
-    np.testing.assert_allclose(q, plain_q + beta * step**2 * a[5], rtol=1e-12)
-    np.testing.assert_allclose(plain_v, -0.4 + step * (1 - gamma) * a[4], rtol=1e-12)
-    np.testing.assert_allclose(v, plain_v + gamma * step * a[5], rtol=1e-12)
+    for place, value in enumerate((*plain, guess)):
+        put(ends, place, value)
+
+
+def test_formulas_are_the_same_for_arrays_and_for_lanes():
+    """A motion of constant acceleration is exact; the guess is exact for a cubic and an
+    alternation of sign.
+    """
+    h = np.array([[0.1, 0.2]])
+    t = np.arange(-4.0, 2.0)[:, None] * h
+    a = 1.0 + 2.0 * t - 3.0 * t**2 + 5.0 * t**3 + 0.7 * (-1.0) ** np.arange(6)[:, None]
+    q, v, past = np.full((1, 2), 0.3), np.full((1, 2), -0.4), a[3::-1].copy()
+    by_q, by_v = weights(SCHEME, h)
+    plain_q, plain_v = predicted(SCHEME, h, q, v, a[4:5])
+    np.testing.assert_allclose(plain_q + by_q * a[4:5], q + h * v + h**2 / 2 * a[4:5], rtol=1e-14)
+    np.testing.assert_allclose(plain_v + by_v * a[4:5], v + h * a[4:5], rtol=1e-14)
+    guess = extrapolated(a[4:5], *past[:, None])
+    np.testing.assert_allclose(guess, a[5:6], rtol=1e-12)
+    ends = np.zeros((3, 2))
+    of_lanes(q, v, a[4:5].copy(), past, h, ends)
+    np.testing.assert_allclose(ends, np.concatenate([plain_q, plain_v, guess]), rtol=1e-14)
 
 
 def test_order_two(undamped):
@@ -124,9 +130,9 @@ def test_energy_of_an_undamped_motion_stays(undamped):
     assert errors[1] < 1e-4 and errors[1] == pytest.approx(errors[0] / 4, rel=0.2)
 
 
-def test_energy_of_the_folding_beam(cantilever, capsys):
-    """The thesis's beam, let go undamped from the shape in which it folds: what gamma = 1/2 and the
-    thesis's alpha do to its energy.
+def test_energy_of_the_folding_beam(cantilever):
+    """The thesis's beam, released undamped from the shape in which it folds: what gamma = 1/2 and
+    the thesis's alpha do to its energy.
     """
     made, term = cantilever
     free, step = effects.assemble(made, UNDAMPED), 2 * np.pi / 398.0325
@@ -155,12 +161,6 @@ def test_energy_of_the_folding_beam(cantilever, capsys):
             ]
         )
         drift[alpha, count] = energy[-1] / energy[0] - 1, np.abs(energy / energy[0] - 1).max()
-    with capsys.disabled():
-        for (alpha, count), (end, largest) in drift.items():
-            print(
-                f"\nenergy after 30 undamped periods, alpha = {alpha}, T/{count}: {end:+.2e}, largest deviation {largest:.1e}",
-                end="",
-            )
     # Second order without numerical damping: four times less for half the step; with it, energy can
     # only fall.
     assert (
@@ -377,3 +377,92 @@ def test_a_start_that_is_stretched_far(cantilever):
         np.abs(coarse.displacement[0, :, tip] - fine.displacement[0, :, tip]).max()
         <= 1e-3 * np.abs(start).max()
     )
+
+
+WRONG = {
+    "displacement": ({"displacement": np.zeros(240)}, r"\(240,\); .* \(n, states\) = \(240, 1\)"),
+    "velocity": ({"velocity": np.zeros((240, 2))}, r"\(240, 2\); .* \(n, states\) = \(240, 3\)"),
+    "step": ({"step": np.full(1, 1e-5)}, r"\(1,\); .* \(states,\) = \(3,\)"),
+    "signal": (
+        {"signal": np.zeros((5, 3))},
+        r"\(5, 3\); needed is \(steps \+ 1, states\) = \(6, 3\)",
+    ),
+    "record.probes": ({"record": Record(probes=np.array([3, 240]))}, "240; needed are dofs from 0"),
+    "record": ({"record": Record(every=0)}, "every = 0"),
+    "steps": ({"steps": -1}, "-1; needed"),
+    "initial_acceleration": ({"initial_acceleration": "none"}, "'none' .*equilibrium, zero"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_does_not_fit_is_named(name, cantilever):
+    """Compiled code would read beyond its arrays."""
+    given, message = WRONG[name]
+    fitting = {"displacement": np.zeros((240, 3)), "step": np.full(3, 1e-5), "steps": 5}
+    with pytest.raises(ValueError, match=rf"^{name} ?(has|=|:) .*{message}"):
+        Newmark().run(cantilever[1], **{**fitting, **given})
+
+
+def test_a_scene_without_mass_does_not_move():
+    made = space.build(body(cells=[2, 1]))
+    term = effects.assemble(made, {"elasticity": LINEAR["elasticity"]})
+    with pytest.raises(SceneError, match="effects has no inertia.*list inertia"):
+        Newmark().run(term, np.zeros((made.size, 1)), np.array([1e-5]), 1)
+
+
+def test_nodes_without_mass_have_no_acceleration_of_equilibrium():
+    """A mass at the tip alone: from rest the acceleration may be zero, and is then of no weight."""
+    made = space.build(body(cells=[2, 1]))
+    term = effects.assemble(
+        made,
+        {
+            "elasticity": LINEAR["elasticity"],
+            "tip_mass": {"at": [1.0, 0.0], "mass": 1.0},
+        },
+    )
+    start, step = np.zeros((made.size, 1)), np.array([1e-5])
+    with pytest.raises(SceneError, match="some node has no mass.*list inertia, or choose"):
+        Newmark().run(term, start, step, 1)
+    motion = Newmark().run(term, start, step, 1, initial_acceleration="zero")
+    assert not motion.displacement.any()
+
+
+@pytest.mark.parametrize("settings", [{}, {"widest_band": 0}])
+def test_a_load_beyond_all_numbers_is_no_motion(settings, cantilever):
+    """The squares of its entries are infinite, and infinity is not above infinity."""
+    _, term = cantilever
+    signal = np.full((6, 1), 1e300)
+    start, step = np.zeros((term.size, 1)), np.array([1e-5])
+    motion = Newmark(**settings, max_iterations=3).run(
+        term, start, step, 5, signal=signal, initial_acceleration="zero"
+    )
+    assert motion.outcomes == [Outcome.NO_CONVERGENCE] and motion.failed_at == [1e-5]
+
+
+@pytest.mark.parametrize("effect", [{}, {"geometric_nonlinearity": {}}])
+def test_no_step_keeps_the_start(effect):
+    made = space.build(body(cells=[2, 1]))
+    start = 1e-3 * np.ones((made.size, 2))
+    motion = Newmark().run(
+        effects.assemble(made, {**LINEAR, **effect}),
+        start,
+        np.full(2, 1e-5),
+        0,
+        record=Record(probes=np.array([1])),
+    )
+    np.testing.assert_array_equal(motion.displacement, start.T[:, None])
+    np.testing.assert_array_equal(motion.probes, start.T[:, 1:2, None])
+
+
+def test_progress_and_chunks_add_up(cantilever):
+    """What is kept does not depend on where a chunk of steps ends; progress counts all states."""
+    _, term = cantilever
+    start, step, seen = 1e-4 * np.ones((term.size, 3)), np.full(3, 1e-5), []
+    record = Record(every=3, start=1, probes=np.array([7]), probe_start=2)
+    whole = Newmark().run(term, start, step, 50, record=record, progress=seen.append)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibrom.solvers.full.band.chunk", lambda n, width: 4)
+        parts = Newmark().run(term, start, step, 50, record=record, progress=seen.append)
+    assert sum(seen) == 2 * 150 and len(seen) == 1 + 13
+    for name in ("kept", "displacement", "velocity", "acceleration", "probes"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))

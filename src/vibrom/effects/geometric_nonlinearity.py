@@ -16,7 +16,7 @@ from functools import cache, partial
 import numpy as np
 
 from vibrom.bodies.space import Space
-from vibrom.kernels.lanes import WIDTH, entry, fill, get, part, put, stack
+from vibrom.kernels.lanes import WIDTH, entry, fill, get, inlined, put, stack
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
@@ -76,7 +76,7 @@ def _kernels(shapes: int, points: int, states: int):
 # are gathered, and whose forces are added, one element after the other.
 
 
-@part
+@inlined
 def gather(q, dofs, e, u, states, width):
     """Displacements u (2 shapes, width) of an element's nodes relative to its last node, which is
     itself left as it is.
@@ -94,7 +94,7 @@ def gather(q, dofs, e, u, states, width):
         put(u, a, get(u, a, width) - get(u, last + a % 2, width))
 
 
-@part
+@inlined
 def gradient(u, table, at, e, free, states, width):
     """H_11, H_12, H_21, H_22 at the point whose rows of the table begin at `at`."""
     h0 = h1 = h2 = h3 = fill(0.0, width)
@@ -109,14 +109,14 @@ def gradient(u, table, at, e, free, states, width):
     return h0, h1, h2, h3
 
 
-@part
+@inlined
 def moduli(table, at, e, states):
     """D_11, D_12, D_33 times thickness and weight of the point."""
     d11, d12 = entry(table, at, e, states), entry(table, at + 1, e, states)
     return d11, d12, entry(table, at + 2, e, states)
 
 
-@part
+@inlined
 def add_force(u, g, table, at, e, free, states, width):
     """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last."""
     d11, d12, d33 = moduli(table, at, e, states)
@@ -136,7 +136,7 @@ def add_force(u, g, table, at, e, free, states, width):
         put(g, 2 * a + 1, get(g, 2 * a + 1, width) + n0 * p2 + n1 * p3)
 
 
-@part
+@inlined
 def scatter(g, dofs, e, f, states, width):
     """Adds the forces g of an element, or of WIDTH elements, to f."""
     for a in range(g.shape[0]):
@@ -171,7 +171,7 @@ def _force(shapes: int, points: int, states: int):
     return force
 
 
-@part
+@inlined
 def elasticity(table, at, e, h0, h1, h2, h3, states):
     """A_iJ,jL of a point by rows of i and columns of j: xx (symmetric), yy (symmetric), xy."""
     d11, d12, d33 = moduli(table, at, e, states)
@@ -191,7 +191,7 @@ def elasticity(table, at, e, h0, h1, h2, h3, states):
     return (xx00, xx01, xx11), (yy00, yy01, yy11), (xy00, xy01, xy10, xy11)
 
 
-@part
+@inlined
 def add_tangent(u, ke, table, at, e, free, states, width):
     """Adds a point's share of dN_a/dX_J A_iJ,jL dN_b/dX_L to ke, for all nodes but the last: lower
     triangle, row by row.
@@ -217,7 +217,7 @@ def add_tangent(u, ke, table, at, e, free, states, width):
                 put(ke, x + 1, get(ke, x + 1, width) + m0 * txy0 + m1 * txy1)
 
 
-@part
+@inlined
 def complete(ke, free, width):
     """The rows of the last node: what they lack for rigid translations to make no force."""
     first = free * (2 * free + 1)  # entry of the last node's first row
@@ -234,7 +234,7 @@ def complete(ke, free, width):
                 put(ke, at, get(ke, at, width) - get(ke, row + column, width))
 
 
-@part
+@inlined
 def scatter_tangent(ke, slots, e, scale_q, values, states, width):
     """Adds scale_q times the matrix of an element, or of WIDTH elements, to values."""
     for number in range(ke.shape[0]):

@@ -55,8 +55,11 @@ SIGNATURES = Kernels(
     types.void(_band),
     types.void(_band, _rows),
 )
-# As a compiled loop takes them: pointers, so that it is not compiled again with them.
-POINTERS = types.Tuple([types.FunctionType(signature) for signature in SIGNATURES])
+
+
+def pointers() -> types.Tuple:
+    """The type of `Kernels` as a compiled loop takes them: it is not compiled again with them."""
+    return types.Tuple([types.FunctionType(signature) for signature in SIGNATURES])
 
 
 def half_bandwidth(matrix: spmatrix) -> int:
@@ -158,15 +161,24 @@ def _multiply_add_both_alone(first, second, distances, a, b, x, y):
             y[j] += (a * one[j] + b * other[j]) * ahead[j]
 
 
+@kernel(SIGNATURES.combine)
+def _combine_alone(parts, scales, band):
+    size = band.size
+    band, parts = band.reshape(size), parts.reshape(len(parts), size)
+    band[:] = 0.0
+    for k in range(len(parts)):
+        scale, one = scales[k, 0], parts[k]
+        for at in range(size):
+            band[at] += scale * one[at]
+
+
 @cache
 def kernels(width: int) -> Kernels:
     """The kernels for `width` states side by side."""
-    multiply_add, multiply_add_both = (
-        (_multiply_add_alone, _multiply_add_both_alone) if width == 1 else _product_kernels(width)
-    )
-    return Kernels(
-        multiply_add, multiply_add_both, _combine(width), _factorise(width), _solve(width)
-    )
+    with_band = _factorise(width), _solve(width)
+    if width == 1:
+        return Kernels(_multiply_add_alone, _multiply_add_both_alone, _combine_alone, *with_band)
+    return Kernels(*_product_kernels(width), _combine(width), *with_band)
 
 
 def _product_kernels(width: int) -> tuple[Callable, Callable]:
@@ -197,7 +209,7 @@ def _product_kernels(width: int) -> tuple[Callable, Callable]:
 def _combine(width: int) -> Callable:
     @kernel(SIGNATURES.combine)
     def combine(parts, scales, band):
-        """parts (k, n, b + 1) that all states share; scales (k, width)."""
+        """Of parts (k, n, b + 1) that all states share, and scales (k, width)."""
         n, depth = band.shape[0], band.shape[1]
         entries, parts = band.reshape(n * depth, width), parts.reshape(parts.shape[0], n * depth)
         for at in range(n * depth):

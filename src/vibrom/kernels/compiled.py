@@ -1,7 +1,7 @@
 """Compiled functions that are kept on disk, and the records that they take.
 
     @kernel(signature)      compiles now, or reads what an earlier process compiled
-    @part                   a function that kernels call; Python may call it too
+    @part, @inlined         a function that kernels call; Python may call it too
     machine_type(Record)    the signature of a named tuple, from its annotations
 
 How lanes, kernels and their store work is told in docs/kernels.md.
@@ -45,8 +45,18 @@ def part(function: Callable) -> Callable:
     """A function of which kernels are made. Numbers that are known when a kernel is compiled, as
     the number of lanes, stay known inside it.
     """
+    return _part(function, OPTIONS)
 
-    @overload(function, strict=False, prefer_literal=True, jit_options=OPTIONS)
+
+def inlined(function: Callable) -> Callable:
+    """A part that is copied into its kernel; needed where it takes an array on the stack, which
+    stays in registers only so, and costly to compile where it is long.
+    """
+    return _part(function, OPTIONS | {"forceinline": True})
+
+
+def _part(function: Callable, options: dict) -> Callable:
+    @overload(function, strict=False, prefer_literal=True, jit_options=options)
     def implementation(*arguments, **keywords):
         return function
 

@@ -25,7 +25,7 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic, register_jitable
 from numba.np.arrayobj import make_array, populate_array
 
-from vibrom.kernels.compiled import edition, kernel, part
+from vibrom.kernels.compiled import edition, inlined, kernel, part
 from vibrom.kernels.vector import Lanes, common, spread
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "fill",
     "floor",
     "get",
+    "inlined",
     "kernel",
     "part",
     "paste",
@@ -61,9 +62,7 @@ def room(rows: int, width: int) -> np.ndarray:
 
 def _known(number) -> int:
     if not isinstance(number, types.IntegerLiteral):
-        raise TypingError(
-            "the number of lanes, or of rows on the stack, must be known when the kernel is compiled"
-        )
+        raise TypingError("lanes and rows on the stack must be counted when a kernel is compiled")
     return number.literal_value
 
 

@@ -15,10 +15,10 @@ from vibrom.kernels import banded
 from vibrom.kernels.banded import Kernels, Product, Products
 from vibrom.kernels.compiled import Blocks, Places, Rows, kernel, machine_type, part
 from vibrom.kernels.lanes import fill, get, put, room, sqrt
-from vibrom.solvers.full.batch import Batch, Loads, Steps, linear_tangent, mass_damping
-from vibrom.solvers.full.march import Span, State, Store, chunk, keep
+from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
 from vibrom.solvers.full.newton import Iteration, Limits, Operations, iteration, newton_step
 from vibrom.solvers.full.scheme import extrapolated, predicted
+from vibrom.solvers.full.store import Span, State, Store, chunk, keep
 from vibrom.term import FORCE, TANGENT, Term
 
 
@@ -221,7 +221,7 @@ def compiled(width: int, forces: int):
     @kernel(
         types.int64(
             machine_type(System),
-            banded.POINTERS,
+            banded.pointers(),
             types.Tuple((*kernels, each(places), each(rows), each(places))),
             machine_type(Work),
             *records,
@@ -242,6 +242,8 @@ def compiled(width: int, forces: int):
 
 class BandedSteps:
     """A batch of states with a tangent in a band; a `Stepper`."""
+
+    batch_width = staticmethod(batch_width)
 
     @staticmethod
     def compile(term: Term, width: int) -> None:

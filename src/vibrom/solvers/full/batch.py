@@ -13,10 +13,13 @@ from scipy.sparse.linalg import splu
 from vibrom.kernels import banded
 from vibrom.kernels.compiled import Rows, Vector
 from vibrom.kernels.lanes import room
-from vibrom.solvers.full.march import State
 from vibrom.solvers.full.scheme import Scheme, weights
+from vibrom.solvers.full.store import State
 from vibrom.term import SceneError, Term
 
+# (remaining states, batch width): two registers hide each other's latency. One state alone has
+# elements in its lanes; a few states cost less one by one than in a batch filled up with copies.
+WIDTHS = ((9, 16), (3, 8), (1, 1))
 WIDEST_BAND = 1000  # of a mass; beyond it a sparse factor is cheaper than a banded one
 
 
@@ -35,6 +38,11 @@ class Loads(NamedTuple):
     signal: Rows  # (steps + 1, width)
     load: Vector  # (n,) N per unit of the signal
     dead_load: Vector  # (n,) N
+
+
+def batch_width(remaining: int) -> int:
+    """How many of the remaining states go side by side in lanes."""
+    return next(width for least, width in WIDTHS if remaining >= least)
 
 
 @dataclass(frozen=True)
@@ -95,7 +103,7 @@ class Batch:
         return f
 
     def _acceleration(self) -> np.ndarray:
-        """a of  M a = p u + p_0 - C v - K q - sum f(q, v)."""
+        """Solves  M a = p u + p_0 - C v - K q - sum f(q, v)."""
         signal, load, dead_load = self.loads
         r = load[:, None] * signal[0] + dead_load[:, None] - self.internal(self.q, self.v)
         if self.term.damping is not None:
@@ -113,7 +121,9 @@ class Batch:
 
 
 def mass_damping(term: Term) -> float:
-    """c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v). Otherwise zero."""
+    """The factor c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v); otherwise
+    zero.
+    """
     if term.damping is None:
         return 0.0
     rate = term.damping[0, 0] / term.mass[0, 0]

@@ -21,10 +21,10 @@ from vibrom.kernels import banded, blocks
 from vibrom.kernels.banded import Product
 from vibrom.kernels.compiled import Blocks, Numbers, Rows, kernel, machine_type, part
 from vibrom.kernels.lanes import get, put, room
-from vibrom.solvers.full.batch import Batch, Loads, Steps, linear_tangent, mass_damping
-from vibrom.solvers.full.march import Span, State, Store, chunk, keep
+from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.scheme import predicted
+from vibrom.solvers.full.store import Span, State, Store, chunk, keep
 from vibrom.term import Term
 
 
@@ -78,14 +78,11 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
 @cache
 def compiled(width: int):
     """The time loop for `width` states side by side."""
-    pointers = banded.POINTERS
-    solve_pointer, multiply_pointer = pointers[4], pointers[0]
+    called = banded.SIGNATURES.multiply_add, banded.SIGNATURES.solve
+    pointers = (types.FunctionType(signature) for signature in called)
     records = (machine_type(item) for item in (State, Numbers, Span, Store))
 
-    @kernel(
-        types.int64(machine_type(System), multiply_pointer, solve_pointer, *records),
-        fastmath=False,
-    )
+    @kernel(types.int64(machine_type(System), *pointers, *records), fastmath=False)
     def loop(system, multiply_add, solve, state, failed, span, store):
         stored = 0
         for step in range(span.first, span.last + 1):
@@ -100,6 +97,8 @@ def compiled(width: int):
 class LinearSteps:
     """A batch of states whose operator is factorised once; a `Stepper`."""
 
+    batch_width = staticmethod(batch_width)
+
     @staticmethod
     def compile(term: Term, width: int) -> None:
         """Compiles what it needs, or reads it from disk."""
@@ -109,11 +108,8 @@ class LinearSteps:
     def __init__(self, batch: Batch, limits: Limits, half: int):
         term, width, n = batch.term, batch.width, batch.term.size
         kernels = banded.kernels(width)
-        self.loop, self.multiply_add, self.solve = (
-            compiled(width),
-            kernels.multiply_add,
-            kernels.solve,
-        )
+        self.loop, self.multiply_add = compiled(width), kernels.multiply_add
+        self.solve = kernels.solve
         factor = room(n * (half + 1), width).reshape(n, half + 1, width)
         kernels.combine(*linear_tangent(batch, half), factor)
         if width == 1:

@@ -1,89 +1,45 @@
-"""Step after step: what a time loop knows whatever the method, namely records, failures, progress.
-
-A method is a `Stepper`, which knows one step. It carries a batch of states through a chunk of
-steps, and leaves what is to be kept in a `Store`; `march` moves that into the motion. `keep` is
-called after each step, from compiled loops and from Python.
-"""
+"""From batch to batch and chunk to chunk: what is done around the steps of any method."""
 
 from __future__ import annotations
 
+import time
+import warnings
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
 
 import numpy as np
+from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from vibrom.kernels.compiled import Blocks, Numbers, Rows, part
+from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.motion import Motion, Record
+from vibrom.solvers.full.newton import Limits
+from vibrom.solvers.full.stepper import Stepper
+from vibrom.solvers.full.store import Span, Store
 
 
-class State(NamedTuple):
-    """Where a batch of states is."""
-
-    q: Rows  # (n, width) m
-    v: Rows  # (n, width) m/s
-    a: Rows  # (n, width) m/s^2
-
-
-class Span(NamedTuple):
-    """A chunk of steps. Its first step belongs to the chunk before, but for step 0."""
-
-    first: int
-    last: int
-
-
-class Store(NamedTuple):
-    """What is to be kept, and room for what a chunk of steps leaves."""
-
-    every: int
-    start: int
-    probes: Numbers  # (k,)
-    q: Blocks  # (records, n, width) m
-    v: Blocks  # (records, n, width) m/s
-    a: Blocks  # (records, n, width) m/s^2
-    watched: Blocks  # (steps of the chunk + 1, k, width) m
-
-
-class Stepper(Protocol):
-    """A batch of states, and a method that carries it from step to step."""
-
-    chunk: int  # steps between two reports of progress
-    width: int  # states side by side
-    failed: np.ndarray  # (width,) step at which each state failed, -1: none
-    iterations: np.ndarray  # (1,) so far
-    factorisations: np.ndarray  # (1,) so far
-
-    @staticmethod
-    def compile(term: Term, width: int) -> None:
-        """Compiles what a batch of `width` states needs, or reads it from disk."""
-        ...
-
-    def __init__(self, batch: Batch, limits: Limits, half: int): ...
-
-    def advance(self, span: Span, store: Store) -> int:
-        """Carries the states over a span; returns how many records are in the store."""
-        ...
-
-
-def chunk(n: int, width: int) -> int:
-    """Steps between two reports of progress, so that what they leave stays below 100 MB."""
-    return int(np.clip(4_000_000 // (n * width), 10, 2000))
-
-
-@part
-def keep(step, span, state, store, stored):
-    """Stores what is wanted of this step; returns how many records there are then."""
-    if step == span.first and step > 0:
-        return stored
-    for k in range(store.probes.shape[0]):
-        for w in range(state.q.shape[1]):
-            store.watched[step - span.first, k, w] = state.q[store.probes[k], w]
-    if step < store.start or (step - store.start) % store.every:
-        return stored
-    for i in range(state.q.shape[0]):
-        for w in range(state.q.shape[1]):
-            store.q[stored, i, w], store.v[stored, i, w] = state.q[i, w], state.v[i, w]
-            store.a[stored, i, w] = state.a[i, w]
-    return stored + 1
+def integrate(
+    method: type[Stepper],
+    start: Batch,
+    limits: Limits,
+    half: int,
+    record: Record,
+    progress: Callable[[int], None] | None,
+) -> Motion:
+    """Carries all states over all steps of their signal, one batch after the other."""
+    states, steps = start.width, len(start.signal) - 1
+    motion, first = record.allocate(start.term.size, states, steps), 0
+    while first < states:
+        width = method.batch_width(states - first)
+        where = slice(first, min(first + width, states))
+        with warnings.catch_warnings():  # kernels are passed as pointers
+            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+            method.compile(start.term, width)
+            began = time.perf_counter()
+            stepper = method(start.part(first, width), limits, half)
+            march(stepper, steps, record, motion, where, progress)
+            motion.seconds += time.perf_counter() - began
+        first = where.stop
+    motion.failed_at *= start.h
+    return motion
 
 
 def march(
@@ -99,7 +55,7 @@ def march(
     """
     live, n = where.stop - where.start, motion.displacement.shape[2]
     store = _room(record, min(stepper.chunk, steps), n, stepper.width)
-    for first in range(0, steps, stepper.chunk):
+    for first in range(0, max(steps, 1), stepper.chunk):
         span = Span(first, min(first + stepper.chunk, steps))
         stored = stepper.advance(span, store)
         _move(store, stored, span, record, motion, where)

@@ -1,8 +1,14 @@
-"""Eigenmodes of a Term:  K phi = omega^2 M phi,  phi' M phi = 1, the largest entry positive.
+"""Small motions about rest:  K phi = omega^2 M phi,  phi' M phi = 1, the largest entry positive.
 
-Under a dead load they are those of small motions about the equilibrium that it makes: K is then the
-tangent there, pre-stress included.
+Under a dead load they are motions about the equilibrium that it makes: K is then the tangent there,
+pre-stress included. The rest state of a body is solved once, and so are its modes, however many
+effects and steps need them: results are remembered for the last bodies.
 """
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded
@@ -14,56 +20,82 @@ from vibrom.solvers.full import static
 from vibrom.term import SceneError, Term
 
 LOOKED_AT = 10  # modes among which flutter is looked for
+REMEMBERED = 8  # bodies
 
 
-def linearised(term: Term) -> tuple[np.ndarray, csr_matrix]:
-    """The rest state (n,) [m] under the dead load and the stiffness (n, n) [N/m] about it; without
-    one, zero and K itself.
-    """
-    if term.dead_load is None:
-        return np.zeros(term.size), term.stiffness
-    rest = static.equilibrium(term)
-    return rest, csr_matrix(static.Body(term).tangent(rest))
+class Linearised(NamedTuple):
+    """A body at rest under its dead load. Shared by all who ask: read only."""
+
+    rest: np.ndarray  # (n,) m; zero without a dead load
+    stiffness: csr_matrix  # (n, n) N/m, about the rest state
 
 
-def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """The `count` lowest angular frequencies (count,) [rad/s] and modes (count, n) [kg^-1/2].
+class Modes(NamedTuple):
+    """The lowest modes of small motions. Shared by all who ask: read only."""
+
+    frequency: np.ndarray  # (modes,) rad/s
+    shape: np.ndarray  # (modes, n) kg^-1/2
+
+
+def linearised(term: Term) -> Linearised:
+    """The rest state and the stiffness about it; without a dead load zero and K itself."""
+    return _linearised(_Statics(term))
+
+
+def eigenmodes(term: Term, count: int) -> Modes:
+    """The `count` lowest modes.
 
     Shift-invert Lanczos about zero from a fixed start, so that the same scene gives the same bytes.
-    Follower loads make K non-symmetric: as long as they let the body oscillate its modes are real,
-    but not M-orthogonal (Arnoldi). A rest state that buckles or flutters has no eigenmodes:
-    SceneError.
+    Follower loads make K non-symmetric: its modes are real as long as it does not flutter, but not
+    M-orthogonal (Arnoldi). A rest state that buckles or flutters has no eigenmodes: SceneError.
     """
     for part, effect in (("mass", "inertia"), ("stiffness", "elasticity")):
         if getattr(term, part) is None:
             raise SceneError(
                 f"effects has no {effect}, and without it there are no eigenmodes; list {effect}"
             )
-    size = term.mass.shape[0]
-    start = np.ones(size) / np.sqrt(size)
-    _, stiffness = linearised(term)
-    if all(force.symmetric for force in term.forces):
-        squares, vectors = eigsh(
-            stiffness.tocsc(), k=min(count, size - 1), M=term.mass.tocsc(), sigma=0.0, v0=start
+    if count < 1:
+        raise ValueError(f"count = {count}; needed is at least one mode")
+    return _eigenmodes(_Statics(term), count)
+
+
+class _Statics:
+    """A term, the same as another where all that bears on small motions is the same object."""
+
+    def __init__(self, term: Term):
+        self.term = term
+        self.parts = (term.mass, term.stiffness, term.dead_load, *term.forces)
+
+    def __hash__(self) -> int:
+        return hash(tuple(map(id, self.parts)))
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Statics)
+            and len(self.parts) == len(other.parts)
+            and all(mine is theirs for mine, theirs in zip(self.parts, other.parts))
         )
-        # Iteration about zero may miss a negative square that is far away; a factor does not.
-        unstable = "" if _positive(stiffness) and squares.min() > 0.0 else "buckles"
+
+
+@lru_cache(REMEMBERED)
+def _linearised(body: _Statics) -> Linearised:
+    term = body.term
+    if term.dead_load is None:
+        rest, stiffness = np.zeros(term.size), term.stiffness
     else:
-        squares, vectors = eigs(
-            stiffness.tocsc(),
-            k=min(max(count, LOOKED_AT), size - 2),
-            M=term.mass.tocsc(),
-            sigma=0.0,
-            v0=start,
-        )
-        unstable = (
-            "flutters"
-            if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max()
-            else "buckles"
-            if squares.real.min() <= 0.0
-            else ""
-        )
-        squares, vectors = squares.real, vectors.real
+        rest = static.equilibrium(term)
+        stiffness = csr_matrix(static.Body(term).tangent(rest))
+    rest.flags.writeable = False
+    return Linearised(rest, stiffness)
+
+
+@lru_cache(REMEMBERED)
+def _eigenmodes(body: _Statics, count: int) -> Modes:
+    term, stiffness = body.term, _linearised(body).stiffness
+    if all(force.symmetric for force in term.forces):
+        squares, vectors, unstable = _symmetric(stiffness, term.mass, count)
+    else:
+        squares, vectors, unstable = _non_symmetric(stiffness, term.mass, count)
     if unstable:
         cause, cure = (
             ("its dead load", "lower that load")
@@ -71,21 +103,55 @@ def eigenmodes(term: Term, count: int) -> tuple[np.ndarray, np.ndarray]:
             else ("a negative stiffness", "raise it, as cubic_spring.linear")
         )
         raise SceneError(
-            f"effects: the body {unstable} under {cause}, so that it has no modes to oscillate in about its rest state; {cure}"
+            f"effects: the body {unstable} under {cause}, so that it has no modes to oscillate in "
+            f"about its rest state; {cure}"
         )
     order = np.argsort(squares)[:count]
     modes = vectors[:, order].T
     modes /= np.sqrt(np.einsum("ki,ki->k", modes, (term.mass @ modes.T).T))[:, None]
     modes *= np.sign(modes[np.arange(len(modes)), np.abs(modes).argmax(axis=1)])[:, None]
-    return np.sqrt(squares[order]), modes
+    frequency = np.sqrt(squares[order])
+    frequency.flags.writeable = modes.flags.writeable = False
+    return Modes(frequency, modes)
+
+
+def _start(n: int) -> np.ndarray:
+    return np.ones(n) / np.sqrt(n)
+
+
+def _symmetric(
+    stiffness: csr_matrix, mass: csr_matrix, count: int
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Squares of frequencies, modes by columns, and how the body is unstable."""
+    n = mass.shape[0]
+    squares, vectors = eigsh(
+        stiffness.tocsc(), k=min(count, n - 1), M=mass.tocsc(), sigma=0.0, v0=_start(n)
+    )
+    # Iteration about zero may miss a negative square that is far away; a factor does not.
+    unstable = "" if _positive(stiffness) and squares.min() > 0.0 else "buckles"
+    return squares, vectors, unstable
+
+
+def _non_symmetric(
+    stiffness: csr_matrix, mass: csr_matrix, count: int
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Squares of frequencies, modes by columns, and how the body is unstable."""
+    n = mass.shape[0]
+    k = min(max(count, LOOKED_AT), n - 2)
+    squares, vectors = eigs(stiffness.tocsc(), k=k, M=mass.tocsc(), sigma=0.0, v0=_start(n))
+    unstable = ""
+    if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
+        unstable = "flutters"
+    elif squares.real.min() <= 0.0:
+        unstable = "buckles"
+    return squares.real, vectors.real, unstable
 
 
 def _positive(matrix: csr_matrix) -> bool:
     """Is a symmetric matrix positive definite, as far as rounding lets a factorisation tell?"""
     band = banded.to_band(matrix, banded.half_bandwidth(matrix))
-    band[:, 0] *= (
-        1.0 + len(band) * np.finfo(float).eps
-    )  # Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.7
+    # Higham, Accuracy and Stability of Numerical Algorithms, theorem 10.7.
+    band[:, 0] *= 1.0 + len(band) * np.finfo(float).eps
     try:
         cholesky_banded(band.T, lower=True)
     except LinAlgError:

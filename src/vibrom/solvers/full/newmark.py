@@ -9,31 +9,26 @@ triangle: this affects convergence, not the solution.
 
 from __future__ import annotations
 
-import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from vibrom.kernels import banded
 from vibrom.solvers.full.band import BandedSteps
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.linear import LinearSteps
-from vibrom.solvers.full.march import Stepper, march
+from vibrom.solvers.full.march import integrate
 from vibrom.solvers.full.motion import Motion, Record
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.scheme import Scheme
 from vibrom.solvers.full.shapes import shaped
 from vibrom.solvers.full.sparse import SparseSteps
+from vibrom.solvers.full.stepper import Stepper
 from vibrom.solvers.full.tangent import PyPardisoSolver
 from vibrom.term import SceneError, Term
 
 ACCELERATIONS = ("equilibrium", "zero")
-# (remaining states, batch width): two registers hide each other's latency. One state alone has
-# elements in its lanes; a few states cost less one by one than in a batch filled up with copies.
-WIDTHS = ((9, 16), (3, 8), (1, 1))
 
 
 @dataclass(frozen=True)
@@ -68,22 +63,9 @@ class Newmark:
         start = self._checked(
             term, displacement, velocity, step, steps, signal, initial_acceleration, record
         )
-        motion = record.allocate(term.size, start.width, steps)
         method, half = self._method(term)
-        first = 0
-        while first < start.width:
-            width = batch_width(start.width - first) if method is not SparseSteps else 1
-            batch, last = start.part(first, width), min(first + width, start.width)
-            with warnings.catch_warnings():  # kernels are passed as pointers
-                warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-                method.compile(term, width)
-                began = time.perf_counter()
-                stepper = method(batch, self._limits(), half)
-                march(stepper, steps, record, motion, slice(first, last), progress)
-                motion.seconds += time.perf_counter() - began
-            first = last
-        motion.failed_at *= start.h
-        return motion
+        limits = Limits(self.tolerance, self.patience, self.max_iterations)
+        return integrate(method, start, limits, half, record, progress)
 
     def _checked(
         self, term, displacement, velocity, step, steps, signal, initial_acceleration, record
@@ -96,8 +78,8 @@ class Newmark:
                 f"initial_acceleration = {initial_acceleration!r} is unknown; choose from "
                 f"{', '.join(ACCELERATIONS)}"
             )
-        if steps < 1:
-            raise ValueError(f"steps = {steps}; needed is at least one")
+        if steps < 0:
+            raise ValueError(f"steps = {steps}; needed are none or more")
         n = term.size
         record.check(n)
         states = np.shape(displacement)[1] if np.ndim(displacement) == 2 else 1
@@ -115,9 +97,6 @@ class Newmark:
             initial_acceleration == "equilibrium",
         )
 
-    def _limits(self) -> Limits:
-        return Limits(self.tolerance, self.patience, self.max_iterations)
-
     def _method(self, term: Term) -> tuple[type[Stepper], int]:
         """How the steps of a term are taken, and the half bandwidth of its tangent."""
         half = half_bandwidth(term)
@@ -134,8 +113,3 @@ def half_bandwidth(term: Term) -> int:
         lowest = np.where(force.dofs < 0, term.size, force.dofs).min(axis=1)
         half = max(half, int((force.dofs.max(axis=1) - lowest).max()))
     return half
-
-
-def batch_width(remaining: int) -> int:
-    """How many of the remaining states go side by side."""
-    return next(width for least, width in WIDTHS if remaining >= least)

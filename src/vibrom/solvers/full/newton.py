@@ -64,16 +64,19 @@ def iteration(width: int) -> Iteration:
 def newton_step(operations, body, state, iteration, limits, step, width):
     """From the end of step `step` - 1 to the end of step `step`."""
     operations.predict(body, state, step, width)
-    if not iterate(operations, body, state, iteration, limits, step, width):
-        # Far from equilibrium the guess may lie where Newton's iteration does not find back: once
-        # more, without acceleration.
-        for w in range(width):
-            if iteration.failed[w] < 0 and not converged(iteration, limits, w):
-                operations.restart(body, state, w, width)
+    iterate(operations, body, state, iteration, limits, step, width)
+    # Far from equilibrium the guess may lie where Newton's iteration does not find back: once more,
+    # without acceleration.
+    again = False
+    for w in range(width):
+        if unsolved(iteration, limits, w):
+            operations.restart(body, state, w, width)
+            again = True
+    if again:
         iteration.factored[0] = 0
         iterate(operations, body, state, iteration, limits, step, width)
     for w in range(width):
-        if iteration.failed[w] < 0 and not converged(iteration, limits, w):
+        if unsolved(iteration, limits, w):
             iteration.failed[w] = step
             iteration.factored[0] = 0
         if iteration.failed[w] >= 0:  # costs no iterations from here on, and cannot overflow
@@ -82,41 +85,39 @@ def newton_step(operations, body, state, iteration, limits, step, width):
 
 @part
 def iterate(operations, body, state, iteration, limits, step, width):
-    """Corrections until all states have converged: have they?"""
+    """Corrections until each state has converged, or will not."""
     for count in range(limits.max_iterations + 1):
         operations.evaluate(body, state, iteration, step, count == 0, width)
-        done, slow = judge(iteration, limits, count == 0, width)
-        if (done and count > 0) or count == limits.max_iterations:
-            return done
+        pending, slow = judge(iteration, limits, count == 0, width)
+        if (not pending and count > 0) or count == limits.max_iterations:
+            break
         if slow or iteration.factored[0] == 0:
             operations.factorise(body, state, width)
             iteration.factorisations[0] += 1
             iteration.factored[0] = 1
         operations.correct(body, state, width)
         iteration.iterations[0] += 1
-    return False
 
 
 @part
 def judge(iteration, limits, first, width):
-    """Have all converged? Would one, at the rate of the last iteration, need more than `patience`
-    further ones?
+    """May a state still converge that has not? Would one, at the rate of the last iteration, need
+    more than `patience` further ones?
     """
-    done, slow = True, False
+    pending = slow = False
     for w in range(width):
-        if iteration.failed[w] < 0:
-            norm = iteration.norm[0, w]
-            if not converged(iteration, limits, w):
-                done = False
-                if not first:
-                    expected = norm * (norm / iteration.previous[w]) ** limits.patience
-                    slow = slow or not expected <= limits.tolerance * iteration.scale[0, w]
-            iteration.previous[w] = norm
-    return done, slow
+        norm = iteration.norm[0, w]
+        if unsolved(iteration, limits, w) and norm < np.inf:
+            pending = True
+            if not first:
+                expected = norm * (norm / iteration.previous[w]) ** limits.patience
+                slow = slow or not expected <= limits.tolerance * iteration.scale[0, w]
+        iteration.previous[w] = norm
+    return pending, slow
 
 
 @part
-def converged(iteration, limits, w):
-    """|r| is small enough, and a number: infinity is not above infinity."""
+def unsolved(iteration, limits, w):
+    """Is |r| too large, or no number? Infinity is not above infinity."""
     bound = limits.tolerance * iteration.scale[0, w]
-    return iteration.norm[0, w] <= bound and bound < np.inf
+    return iteration.failed[w] < 0 and not (iteration.norm[0, w] <= bound and bound < np.inf)

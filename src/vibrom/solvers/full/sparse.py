@@ -6,12 +6,14 @@ are the compiled ones; only the tangent's storage and its factorisation differ.
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from vibrom.solvers.full.batch import Batch
-from vibrom.solvers.full.march import Span, Store, keep
 from vibrom.solvers.full.newton import Limits, Operations, iteration, newton_step
 from vibrom.solvers.full.scheme import extrapolated, predicted
+from vibrom.solvers.full.store import Span, Store, keep
 from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
 
@@ -20,6 +22,11 @@ class SparseSteps:
     """One state with a sparse tangent; a `Stepper`."""
 
     chunk, width = 20, 1
+
+    @staticmethod
+    def batch_width(remaining: int) -> int:
+        """One, however many are left."""
+        return 1
 
     @staticmethod
     def compile(term: Term, width: int) -> None:
@@ -67,17 +74,21 @@ class SparseSteps:
         restoring = self.batch.internal(state.q, state.v)
         external = (load * signal[step, 0] + dead_load)[:, None]
         self.r = external - inertial - restoring
-        iteration.norm[:] = np.linalg.norm(self.r)
-        if first:
-            iteration.scale[:] = sum(map(np.linalg.norm, (inertial, restoring, external)))
+        with np.errstate(over="ignore"):  # what is too large has not converged
+            iteration.norm[:] = np.linalg.norm(self.r)
+            if first:
+                iteration.scale[:] = sum(map(np.linalg.norm, (inertial, restoring, external)))
 
     def factorise(self, state, width):
-        """The tangent."""
-        self.factor = self.tangent.factor(state.q, state.v)
+        """The tangent; None where there is none."""
+        self.factor = None
+        if np.isfinite(state.a).all():
+            with suppress(RuntimeError):  # exactly singular
+                self.factor = self.tangent.factor(state.q, state.v)
 
     def correct(self, state, width):
         """Adds the correction."""
-        change = self.factor.solve(self.r)
+        change = np.nan if self.factor is None else self.factor.solve(self.r)
         for values, by in ((state.q, self.by_q), (state.v, self.by_v), (state.a, 1.0)):
             values += by * change
 

@@ -1,0 +1,58 @@
+"""What a time loop carries and leaves: the state of a batch, and what is kept of its steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vibrom.kernels.compiled import Blocks, Numbers, Rows, part
+
+
+class State(NamedTuple):
+    """Where a batch of states is."""
+
+    q: Rows  # (n, width) m
+    v: Rows  # (n, width) m/s
+    a: Rows  # (n, width) m/s^2
+
+
+class Span(NamedTuple):
+    """A chunk of steps. Its first step belongs to the chunk before, but for step 0."""
+
+    first: int
+    last: int
+
+
+class Store(NamedTuple):
+    """What is to be kept, and room for what a chunk of steps leaves."""
+
+    every: int
+    start: int
+    probes: Numbers  # (k,)
+    q: Blocks  # (records, n, width) m
+    v: Blocks  # (records, n, width) m/s
+    a: Blocks  # (records, n, width) m/s^2
+    watched: Blocks  # (steps of the chunk + 1, k, width) m
+
+
+def chunk(n: int, width: int) -> int:
+    """Steps between two reports of progress, so that what they leave stays below 100 MB."""
+    return int(np.clip(4_000_000 // (n * width), 10, 2000))
+
+
+@part
+def keep(step, span, state, store, stored):
+    """Stores what is wanted of this step; returns how many records there are then."""
+    if step == span.first and step > 0:
+        return stored
+    for k in range(store.probes.shape[0]):
+        for w in range(state.q.shape[1]):
+            store.watched[step - span.first, k, w] = state.q[store.probes[k], w]
+    if step < store.start or (step - store.start) % store.every:
+        return stored
+    for i in range(state.q.shape[0]):
+        for w in range(state.q.shape[1]):
+            store.q[stored, i, w], store.v[stored, i, w] = state.q[i, w], state.v[i, w]
+            store.a[stored, i, w] = state.a[i, w]
+    return stored + 1

@@ -1,0 +1,151 @@
+"""What holds for every file of `effects/`, found by listing the folder: a new effect is tested
+without a word here.
+"""
+
+import dataclasses
+import importlib
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+import numpy as np
+import pytest
+from scenes import body
+
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.kernels import banded
+from vibrom.solvers.full.tangent import Tangent
+from vibrom.term import Term
+
+NAMES = sorted(
+    path.stem for path in Path(effects.__file__).parent.glob("*.py") if path.stem != "__init__"
+)
+# Settings of any effect on a body of 1 m x 0.2 m: by name where a number will not do, else 0.3.
+PLACED = {"at": [1.0, 0.1], "direction": "y", "edge": "right"}
+NUMBER = 0.3
+STATES = 16
+
+
+def settings(name: str) -> dict:
+    """A value for each setting of an effect that has no choice of its own."""
+    module = importlib.import_module(f"vibrom.effects.{name}")
+    (kind,) = (item for item in vars(module).values() if hasattr(item, "assemble"))
+    hints, chosen = get_type_hints(kind), {}
+    for field in dataclasses.fields(kind):
+        if field.name in PLACED:
+            chosen[field.name] = PLACED[field.name]
+        elif hints[field.name] is float:
+            chosen[field.name] = NUMBER
+        elif field.default is dataclasses.MISSING:
+            chosen[field.name] = get_args(hints[field.name])[0]  # of a Literal
+    return chosen
+
+
+@pytest.fixture(scope="module", params=["bilinear", "quadratic", "serendipity"])
+def made(request):
+    return space.build(body(cells=[2, 2], height=0.2, element=request.param))
+
+
+def listed(name: str) -> dict[str, dict]:
+    """The effect after those that it may need."""
+    return {needed: settings(needed) for needed in ("inertia", "elasticity", name)}
+
+
+def states(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements and velocities (n, STATES), some of them far."""
+    rng, far = np.random.default_rng(5), np.geomspace(0.01, 3.0, STATES)
+    return rng.standard_normal((n, STATES)) * far, rng.standard_normal((n, STATES)) * far
+
+
+def force(term: Term, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Sum of f(q, v) (n, states), by the kernels for that number of states."""
+    f = np.zeros_like(q)
+    for one in term.forces:
+        one.kernels(q.shape[1])[0](q, v, one.dofs, one.table, f)
+    return f
+
+
+def alone(array: np.ndarray, state: int) -> np.ndarray:
+    return np.ascontiguousarray(array[:, [state]])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_it_adds_something_of_the_right_shape(name, made):
+    """And what is constant is a number."""
+    needed = [other for other in ("inertia", "elasticity") if other != name]
+    base = effects.assemble(made, {other: settings(other) for other in needed})
+    term = effects.load(name, settings(name)).assemble(made, base)
+    parts = {field.name: getattr(term, field.name) for field in dataclasses.fields(term)}
+    assert parts.pop("forces") or any(part is not None for part in parts.values())
+    n = made.size
+    shapes = {"load": (n,), "dead_load": (n,), "elastic": (3, 3), "carried": (n, 2)}
+    for field, part in parts.items():
+        if part is not None:
+            assert part.shape == shapes.get(field, (n, n))
+            assert np.isfinite(getattr(part, "data", part)).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_matrices_are_symmetric_and_its_forces_vanish_at_rest(name, made):
+    term = effects.assemble(made, listed(name))
+    for matrix in (term.mass, term.damping, term.stiffness):
+        if matrix is not None:
+            assert abs(matrix - matrix.T).max() <= 1e-14 * abs(matrix).max()
+    assert not force(term, np.zeros((made.size, 1)), np.zeros((made.size, 1))).any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_tangent_is_the_derivative_of_its_force(name, made):
+    """By displacements and by velocities, dof by dof. Central differences with Richardson's
+    extrapolation are exact up to the fourth degree.
+    """
+    term = dataclasses.replace(
+        effects.assemble(made, listed(name)), mass=None, damping=None, stiffness=None
+    )
+    if not term.forces:
+        return
+    n, step, largest = made.size, 1e-3, 0.0
+    term = dataclasses.replace(term, load=np.zeros(n))
+    q, v = states(n)
+    for state in range(STATES):
+        at = alone(q, state), alone(v, state)
+        for scales, moved in (((0.0, 0.0, 1.0), 0), ((0.0, 1.0, 0.0), 1)):
+            columns = []
+            for dof in range(n):
+                f = {}
+                for times in (-2, -1, 1, 2):
+                    there = [part.copy() for part in at]
+                    there[moved][dof] += times * step
+                    f[times] = force(term, *there)[:, 0]
+                columns.append((8 * (f[1] - f[-1]) - (f[2] - f[-2])) / (12 * step))
+            tangent = Tangent(term, *scales).at(*at).toarray()
+            expected = np.array(columns).T
+            largest = max(largest, np.abs(expected).max())
+            size = max(np.abs(force(term, *at)).max(), np.abs(expected).max())
+            # Rounding of the force over the step.
+            np.testing.assert_allclose(tangent, expected, rtol=0, atol=1e-10 * size)
+    assert largest > 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_states_side_by_side_are_each_as_alone(name, made):
+    """Its force, and its tangent in the band."""
+    term = effects.assemble(made, listed(name))
+    q, v = states(made.size)
+    together, half = force(term, q, v), made.size - 1
+    for state in range(STATES):
+        single = force(term, alone(q, state), alone(v, state))[:, 0]
+        assert np.abs(together[:, state] - single).max() <= 1e-13 * np.abs(single).max(initial=0.0)
+    rng = np.random.default_rng(6)
+    scale_q, scale_v = rng.uniform(0.5, 2.0, (2, STATES))
+    for one in term.forces:
+        slots = banded.band_slots(one.dofs, half, one.symmetric)
+        band = np.zeros((made.size * (half + 1), STATES))
+        one.kernels(STATES)[1](q, v, one.dofs, one.table, slots, scale_q, scale_v, band)
+        for state in range(STATES):
+            single, some = np.zeros((len(band), 1)), slice(state, state + 1)
+            at = alone(q, state), alone(v, state)
+            scales = scale_q[some], scale_v[some]
+            one.kernels(1)[1](*at, one.dofs, one.table, slots, *scales, single)
+            size = np.abs(single).max(initial=0.0)
+            assert np.abs(band[:, state] - single[:, 0]).max() <= 1e-13 * size
