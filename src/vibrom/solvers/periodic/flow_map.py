@@ -23,7 +23,7 @@ from scipy.integrate import DOP853
 
 from vibrom.kernels.lanes import WIDTH, fill, get, kernel, put, room
 from vibrom.solvers.periodic.maps import Return, Swing
-from vibrom.solvers.reduced.field import KERNEL, Field
+from vibrom.solvers.reduced.field import KERNEL, VectorField
 
 NUDGE = 1e-5  # of the range, of the frequency and of the amplitude
 TOLERANCE = 1e-9  # of the range, error of a step
@@ -50,7 +50,7 @@ class _Steps:
 class FlowMap:
     """Motion of a reduced model over a period."""
 
-    field: Field | None  # compiled; None: from the two functions below
+    field: VectorField | None  # compiled; None: from the two functions below
     drift: Callable[[np.ndarray], np.ndarray]  # dz/dt (b, r) of z (b, r)
     force: Callable[[np.ndarray], np.ndarray]  # what a unit of the signal adds to it
     encode: Callable[[np.ndarray], np.ndarray]  # z (b, r) of states (b, 2n)

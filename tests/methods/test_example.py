@@ -1,0 +1,75 @@
+"""README's example of a method, four functions and no compiled code, in every experiment, with
+every integrator and every guard.
+"""
+
+import dataclasses
+import pkgutil
+from typing import get_args
+
+import numpy as np
+import pytest
+import two_dofs
+from scipy.sparse import csr_matrix
+
+import vibrom.methods
+from vibrom.artefacts.outcome import Outcome
+from vibrom.config import plugs
+from vibrom.experiments import experiment, plug
+from vibrom.methods import method_from_settings
+from vibrom.models.recorded import trajectory
+from vibrom.models.reduced import Reduced
+from vibrom.models.rollout import Integrator
+from vibrom.models.rom import Extrapolation, Guards
+from vibrom.models.training import Structure, Training, Unsupported
+from vibrom.solvers.reduced import steppers
+
+STEPPERS = [module.name for module in pkgutil.iter_modules(steppers.__path__)]
+
+
+@pytest.fixture(scope="module")
+def training():
+    damping = two_dofs.DAMPING * two_dofs.MASS
+    operators = (csr_matrix(part) for part in (two_dofs.MASS, damping, two_dofs.STIFFNESS))
+    structure = Structure(*operators, two_dofs.MODES, two_dofs.FREQUENCIES)
+    return Training((trajectory(two_dofs.record()),), structure)
+
+
+@pytest.fixture(scope="module")
+def rom(training, plug_folder):
+    vibrom.methods.__path__.append(plug_folder)
+    yield method_from_settings("example", {}).learn(training)
+    vibrom.methods.__path__.remove(plug_folder)
+
+
+@pytest.fixture(scope="module")
+def plug_folder(request):
+    return str(request.path.parent / "plugs")
+
+
+def question(name):
+    """The experiment, with the setting that a scene gives."""
+    needed = [
+        item.name for item in dataclasses.fields(plug(name)) if item.default is dataclasses.MISSING
+    ]
+    return experiment(name, dict.fromkeys(needed, 0.05)).brief()
+
+
+@pytest.mark.parametrize("integrator", STEPPERS)
+def test_every_experiment_has_an_answer(rom, integrator):
+    model = Reduced(
+        rom, two_dofs.LOAD, np.array([0, 1]), two_dofs.DAMPED, Integrator(method=integrator)
+    )
+    waiting, found = plugs.names("experiments"), {}
+    while waiting:
+        name = next(name for name in waiting if not set(question(name).reads) & set(waiting))
+        found[name] = question(name).ask(model, two_dofs.given(**found))
+        waiting.remove(name)
+        endings = {Outcome(word) for word in np.ravel(found[name]["outcome"].values)}
+        assert all(ending.has_value for ending in endings), name
+
+
+def test_guards_that_it_lacks_are_unsupported(rom, training):
+    assert rom.guarded(Guards(), training) is rom
+    for guards in (*map(Guards, get_args(Extrapolation)[1:]), Guards(dissipative=5)):
+        with pytest.raises(Unsupported, match="OneMode has no guards"):
+            rom.guarded(guards, training)
