@@ -23,7 +23,8 @@ from numba.core import event
 from benchmarks.cantilever import NEWMARK, build
 seen = []
 class Listener(event.Listener):
-    def on_start(self, event): seen.append([str(event.data["dispatcher"].py_func.__qualname__), time.perf_counter()])
+    def on_start(self, event):
+        seen.append([str(event.data["dispatcher"].py_func.__qualname__), time.perf_counter()])
     def on_end(self, event): seen[-1][1] = time.perf_counter() - seen[-1][1]
 event.register("numba:compile", Listener())
 model = build(element=sys.argv[1])

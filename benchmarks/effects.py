@@ -58,7 +58,8 @@ def measure(note) -> Iterator[Row]:
             )
             yield Row(
                 "effects",
-                f"microseconds per step and state without {left_out}, {'one state' if states == 1 else 'sixteen'}",
+                f"microseconds per step and state without {left_out}, "
+                f"{'one state' if states == 1 else 'sixteen'}",
                 1e6 * seconds["without"] / STEPS,
                 "us",
                 "with it",

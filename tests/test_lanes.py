@@ -159,10 +159,12 @@ def test_specialisations_of_several_processes_are_told_apart(tmp_path):
     right one.
     """
     code = (
-        "import sys, numpy as np; from numba import njit, types; from vibrom.kernels.banded import kernels\n"
+        "import sys, numpy as np; from numba import njit, types\n"
+        "from vibrom.kernels.banded import kernels\n"
         "band = types.float64[:, :, ::1]\n"
         # as the time loop calls it
-        "call = njit([types.void(types.FunctionType(types.void(band)), band)])(lambda function, matrix: function(matrix))\n"
+        "signature = types.void(types.FunctionType(types.void(band)), band)\n"
+        "call = njit([signature])(lambda function, matrix: function(matrix))\n"
         "for width in map(int, sys.argv[1:]):\n"
         "    matrix = np.full((5, 1, width), 4.0)\n"
         "    call(kernels(width)[3], matrix)\n"
@@ -181,7 +183,8 @@ def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch, m
     """Else an edited helper would go on as it was in every kernel that calls it."""
     helper = tmp_path / "helper_of_a_kernel.py"
     helper.write_text(
-        f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n@made\ndef twice(x):\n    return 2.0 * x\n"
+        f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n"
+        "@made\ndef twice(x):\n    return 2.0 * x\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "helper_of_a_kernel", raising=False)

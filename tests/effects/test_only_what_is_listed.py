@@ -66,7 +66,10 @@ import json, sys
 from vibrom.kernels import lanes
 compiled, njit = set(), lanes.njit
 def counting(*signature, **options):
-    return lambda function: (compiled.add(function.__module__), njit(*signature, **options)(function))[1]
+    def count(function):
+        compiled.add(function.__module__)
+        return njit(*signature, **options)(function)
+    return count
 lanes.njit = counting
 from vibrom import effects
 from vibrom.bodies import space
@@ -74,7 +77,8 @@ from vibrom.solvers.full import static
 body, scenes = json.loads(sys.argv[1])
 for scene in scenes:
     static.equilibrium(effects.assemble(space.build(body), scene), 1.0)
-    print(json.dumps([sorted(name[15:] for name in sys.modules if name.startswith("vibrom.effects.")), sorted(name[15:] for name in compiled)]))
+    imported = [name for name in sys.modules if name.startswith("vibrom.effects.")]
+    print(json.dumps([sorted(name[15:] for name in names) for names in (imported, compiled)]))
 """
 
 
@@ -124,7 +128,8 @@ class QuinticSpring:
 
     def assemble(self, space, base):
         dof = space.dof("effects.quintic_spring", self.at, "y")
-        return Term(forces=(Force(lambda width: (force, tangent), np.array([[dof]]), np.array([[self.strength]])),))
+        table = np.array([[self.strength]])
+        return Term(forces=(Force(lambda width: (force, tangent), np.array([[dof]]), table),))
 
 
 @force_kernel

@@ -134,11 +134,13 @@ def read(path, kind):
         data = xr.load_dataset(path)
     except (OSError, ValueError) as error:
         complain(
-            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and run again"
+            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and "
+            "run again"
         )
     if data.attrs.get("kind") != kind:
         complain(
-            f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a file made by the matching rule"
+            f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a "
+            "file made by the matching rule"
         )
     return data
 
@@ -150,7 +152,7 @@ def complain(line):
 
 
 def main(job):
-    sys.stderr = open(job.log[0], "w")
+    sys.stderr = open(job.log[0], "w")  # noqa: SIM115  until the process ends
     settings, scene = dict(job.params.settings), job.params.scene_name
     structure, train = read(job.input.structure, "structure"), read(job.input.train, "trajectory")
     arrays, mapping, dynamics = fit(structure, train, **settings)

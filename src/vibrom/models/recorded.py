@@ -26,7 +26,8 @@ def differences(displacement: np.ndarray, step: float) -> tuple[np.ndarray, np.n
     inner = len(displacement) - len(FIRST) + 1
     if inner < 1:
         raise DataError(
-            f"{len(displacement)} samples are too few for differences over {len(FIRST)}; record a longer decay"
+            f"{len(displacement)} samples are too few for differences over {len(FIRST)}; record a "
+            "longer decay"
         )
     windows = [displacement[shift : shift + inner] for shift in range(len(FIRST))]
     velocity = sum(c * w for c, w in zip(FIRST, windows) if c) / step

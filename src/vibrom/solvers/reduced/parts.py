@@ -14,7 +14,7 @@ maker = njit(**_ARITHMETIC)
 # A function that reads and fills arrays of its caller. It counts no references to them: counting
 # takes twice the time of all arithmetic of a polynomial model. Numba knows the option, and does not
 # document it.
-part = njit(**_ARITHMETIC, **{"_nrt": False})
+part = njit(**_ARITHMETIC, _nrt=False)
 
 
 def record(of: type, *kinds: types.Type) -> types.Type:
