@@ -1,4 +1,4 @@
-"""Rivals compute what we compute, and the page says what was measured. Nothing here asserts a time."""
+"""Rivals compute what we compute, and the page says what was measured; no time is asserted."""
 
 import math
 from importlib import import_module

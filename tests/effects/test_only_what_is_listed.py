@@ -63,14 +63,14 @@ def test_the_class_that_assembles_is_the_effect(monkeypatch):
 
 COUNTED = """
 import json, sys
-from vibrom.kernels import lanes
-compiled, njit = set(), lanes.njit
+from vibrom.kernels import compiled as store
+compiled, njit = set(), store.njit
 def counting(*signature, **options):
     def count(function):
         compiled.add(function.__module__)
         return njit(*signature, **options)(function)
     return count
-lanes.njit = counting
+store.njit = counting
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.solvers.full import static

@@ -46,8 +46,8 @@ def fit(structure, train, *, modes, degree, threshold):
     library.fit(z[:1])
     if len(z) < library.n_output_features_:
         complain(
-            f"pysindy_modal: {library.n_output_features_} coefficients cannot be fitted to {len(z)} "
-            "samples; lower degree, or record more samples"
+            f"pysindy_modal: {library.n_output_features_} coefficients cannot be fitted to "
+            f"{len(z)} samples; lower degree, or record more samples"
         )
     model.fit(z / scale, t=train["time"].values * frequency[0], x_dot=rate / (scale * frequency[0]))
     if not model.coefficients()[modes:].any():
