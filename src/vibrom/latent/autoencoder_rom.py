@@ -123,12 +123,12 @@ class AutoencoderRom(Rom):
 
     def decode(self, z: np.ndarray) -> np.ndarray:
         """See Rom."""
-        motion = self._decoded(*np.split(of_width(z, 2 * self.latent, "z"), 2, axis=-1))
+        motion = self._decoded(*np.split(z, 2, axis=-1))
         return np.concatenate([self.coordinates.expand(part) for part in motion], axis=-1)
 
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         """See Rom."""
-        c = self._decoded(of_width(z, 2 * self.latent, "z")[..., : self.latent])[0]
+        c = self._decoded(z[..., : self.latent])[0]
         if dofs is None:
             return self.coordinates.expand(c)
         return (c[..., dofs] if self.basis is None else c @ self.basis[dofs].T) * self.scale
@@ -150,7 +150,7 @@ class AutoencoderRom(Rom):
     def drift(self, z: np.ndarray) -> np.ndarray:
         """See Rom."""
         scale, powers, coefficients, edge = self._polynomial
-        return library(of_width(z, 2 * self.latent, "z"), scale, powers, edge) @ coefficients.T
+        return library(z, scale, powers, edge) @ coefficients.T
 
     def _push(self, p: np.ndarray) -> Push:
         if self.mass is None:
@@ -162,7 +162,7 @@ class AutoencoderRom(Rom):
 
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
         """See Rom."""
-        given, position = self._push(p), of_width(z, 2 * self.latent, "z")[..., : self.latent]
+        given, position = self._push(p), z[..., : self.latent]
         axes = np.eye(self.latent)
         c, *tangents = self._decoded(
             position, *(np.broadcast_to(axis, position.shape) for axis in axes)

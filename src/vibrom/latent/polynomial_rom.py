@@ -62,7 +62,6 @@ class PolynomialRom(Rom):
         return np.concatenate([x[..., :n] @ self.encoder.T, x[..., n:] @ self.encoder.T], axis=-1)
 
     def _decoded(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        z = of_width(z, len(self.reach), "z")
         return library(z, self.scale, self.decoder_powers, self._edge) @ rows.T
 
     def decode(self, z: np.ndarray) -> np.ndarray:
@@ -76,7 +75,6 @@ class PolynomialRom(Rom):
 
     def drift(self, z: np.ndarray) -> np.ndarray:
         """See Rom."""
-        z = of_width(z, len(self.reach), "z")
         return library(z, self.scale, self.dynamics_powers, self._edge) @ self.dynamics.T
 
     def _push(self, p: np.ndarray) -> np.ndarray:
@@ -90,7 +88,7 @@ class PolynomialRom(Rom):
 
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
         """See Rom."""
-        return np.broadcast_to(self._push(p), of_width(z, len(self.reach), "z").shape)
+        return np.broadcast_to(self._push(p), z.shape)
 
     def field(self, p: np.ndarray | None) -> VectorField:
         """See Rom."""

@@ -16,7 +16,9 @@ import dataclasses
 import importlib
 import pkgutil
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import wraps
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -54,6 +56,16 @@ def of_width(values: np.ndarray, width: int, name: str) -> np.ndarray:
     return values
 
 
+def _of_states(function: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """The same function of z, which refuses a z of another width than the model's."""
+
+    @wraps(function)
+    def checked(self: Rom, z: np.ndarray, *given: Any, **named: Any) -> np.ndarray:
+        return function(self, of_width(z, len(self.reach), "z"), *given, **named)
+
+    return checked
+
+
 @dataclass(frozen=True)
 class Guards:
     """What keeps a fitted model from running away; see `latent.extrapolation` and
@@ -85,6 +97,11 @@ class Rom(ABC):
         "largest absolute reduced coordinate in the training data, in its own unit",
         "coordinate",
     )
+
+    def __init_subclass__(cls) -> None:
+        for name in ("decode", "drift", "force_map", "displacement"):
+            if callable(function := vars(cls).get(name)):
+                setattr(cls, name, _of_states(function))
 
     def __post_init__(self) -> None:
         reach = np.asarray(self.reach)
