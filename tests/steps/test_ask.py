@@ -2,7 +2,7 @@
 is needed, a run that blew up, the time that is kept.
 """
 
-from dataclasses import replace
+from dataclasses import MISSING, fields, replace
 
 import numpy as np
 import pytest
@@ -21,6 +21,12 @@ from vibrom.steps import ask
 NAMES = {"scene": "two", "method": "m", "seed": None}
 INTEGRATOR = {"rtol": 1e-8, "atol": 1e-10}
 SETTINGS = {"forced": {"forcing": 0.05}, "frc": {"forcing": 0.05, "frequencies": 3}}
+
+
+def settings(name):
+    """Those of the scene, and what has no default."""
+    needed = [item for item in fields(plug(name)) if item.default is MISSING]
+    return {item.name: 0.05 for item in needed} | SETTINGS.get(name, {})
 
 
 def saved(folder, name, dataset, kind=None):
@@ -61,7 +67,7 @@ def run(folder, paths, name, **changes):
     ask.run(
         output=str(folder / "model" / f"{name}.nc"),
         name=name,
-        settings=SETTINGS.get(name, {}),
+        settings=settings(name),
         names=NAMES,
         samples=two_dofs.SAMPLES,
         structure=paths["structure"],
