@@ -12,7 +12,7 @@ from skfem.helpers import ddot, grad, identity, trace
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.effects.stop import _force as stop_force
-from vibrom.models.energy import TOLERANCE, energy
+from vibrom.models.energy import PIECE, TOLERANCE, WHOLE, energy
 from vibrom.solvers.full.modes import linearised
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.term import Force, Term, force_kernel
@@ -104,3 +104,31 @@ def test_of_a_stop_it_is_that_of_its_depth_whatever_its_damping(gap):
     found = energy(one_mass(stop), u, velocity, np.zeros(1))
     expected = velocity**2 + 1.5 * u**2 + 5e3 * depth**2
     np.testing.assert_allclose(found, expected[:, 0], rtol=TOLERANCE)
+
+
+def test_forces_without_a_value_end_the_work_and_not_the_machine():
+    """States far beyond what a number can hold, and a force that is rough at any scale."""
+
+    @force_kernel
+    def rough(q, v, dofs, table, f):
+        for w in range(q.shape[1]):
+            u = q[dofs[0, 0], w]
+            f[dofs[0, 0], w] += u * ((u * 1e7) % 1.0)
+
+    force = Force(lambda width: (rough, None), np.array([[0]]), np.zeros((1, 1)))
+    quintic = Force(lambda width: (_quintic, None), np.array([[0]]), np.array([[7.0]]))
+    u = np.array([[1e80], [np.nan], [0.1]])
+    found = energy(one_mass(quintic), u, np.zeros_like(u), np.zeros(1))
+    assert not np.isfinite(found[:2]).any() and np.isfinite(found[2])
+    u = np.linspace(0.5, 1.0, 5)[:, None]
+    found = energy(one_mass(force), u, np.zeros_like(u), np.zeros(1))
+    # Half of u^2/2 on average, as well as a few hundred points know it.
+    np.testing.assert_allclose(found - 1.5 * u[:, 0] ** 2, 0.25 * u[:, 0] ** 2, rtol=0.3)
+
+
+@pytest.mark.parametrize(("rule", "fine", "coarse"), [(WHOLE, 7, 3), (PIECE, 9, 5)])
+def test_rules_are_exact_to_their_degrees(rule, fine, coarse):
+    for weights, degree in ((rule.fine, fine), (rule.coarse, coarse)):
+        for power in range(degree + 2):
+            error = abs(weights @ rule.points**power - 1 / (power + 1))
+            assert (error < 1e-15) == (power <= degree), power

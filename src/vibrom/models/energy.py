@@ -3,19 +3,48 @@
     E = 1/2 v'Mv + (q_0 + q/2)'Kq + sum_i int_0^1 f_i(q_0 + s q, 0)' q ds - p_0'q
 
 The integral is the work of the forces along the straight path from rest; of forces without a
-potential, such as a follower load, another path would give another work. It is taken by Simpson's
-rule over it and over its halves, and pieces of it are halved again where the two differ by more
-than TOLERANCE: exact for elastic forces of the third degree in q (St. Venant-Kirchhoff), and good
-to TOLERANCE for any other, those that begin within the path (a stop) included.
+potential, such as a follower load, another path would give another work. It is taken by two of
+Lobatto's rules on pieces of the path that are halved until the two agree to TOLERANCE: exact for
+elastic forces of the third degree in q (St. Venant-Kirchhoff), and good to TOLERANCE for any other,
+those that begin within the path (a stop) included.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from vibrom.term import Term
 
 TOLERANCE = 1e-9  # of the mean of |f'q| along the path
-HALVINGS = 30  # at most, to where a force begins: the rest of the work is 4^-30 of it
-WIDTH = 8  # states that the kernels take side by side
+ROUNDING = 1e-14  # of the mean of sum |f_i q_i|: closer than that no rules come
+HALVINGS = 30  # at most, to where a force begins
+PIECES = 50  # of a path, at most
+WIDTH, CHUNK = 8, 4096  # states that the kernels take side by side, and that are in memory at once
+
+
+class Rule(NamedTuple):
+    """Points in [0, 1], both ends among them, and two sets of weights."""
+
+    points: np.ndarray
+    fine: np.ndarray
+    coarse: np.ndarray
+
+
+def _rule(points: list[float], fine: list[float], coarse: list[float]) -> Rule:
+    """From the positive points of [-1, 1], the middle first."""
+    mirrored = [np.array([*part[:0:-1], *part]) for part in (fine, coarse)]
+    inside = np.array([*(-point for point in points[:0:-1]), *points])
+    return Rule(0.5 + 0.5 * inside, *(0.5 * weights for weights in mirrored))
+
+
+# Lobatto's of five points and Simpson's: exact to degree 7 and 3 in s.
+WHOLE = _rule([0.0, np.sqrt(3 / 7), 1.0], [32 / 45, 49 / 90, 1 / 10], [4 / 3, 0.0, 1 / 3])
+# Lobatto's of four points and what Kronrod adds: 9 and 5 (Gander, Gautschi, BIT 40 (2000) 84).
+PIECE = _rule(
+    [0.0, np.sqrt(1 / 5), np.sqrt(2 / 3), 1.0],
+    [672 / 1470, 625 / 1470, 432 / 1470, 77 / 1470],
+    [0.0, 5 / 6, 0.0, 1 / 6],
+)
 
 
 def energy(
@@ -37,40 +66,39 @@ def energy(
 
 def work(term: Term, q: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """int_0^1 f(q_0 + s q)'q ds (m,) [J] of q (n, m) from rest (n, 1) [m]."""
-
-    def power(state: np.ndarray, at: np.ndarray) -> np.ndarray:
-        """The product f'q [J] of these states (k,) at parts `at` (k,) of their paths."""
-        path = q[:, state]
-        return np.sum(path * forces(term, rest + at * path), axis=0)
-
-    total, size = np.zeros(q.shape[1]), np.zeros(q.shape[1])
-    # Pieces of paths: of which state, from where, how long, and f'q at both ends and the middle.
-    state, begin, length = np.arange(q.shape[1]), np.zeros(q.shape[1]), 1.0
-    at_rest = forces(term, rest)[:, 0] @ q
-    ends = np.stack([at_rest, *(power(state, begin + part) for part in (0.5, 1.0))])
+    count = q.shape[1]
+    total, near = np.zeros(count), np.zeros(count)
+    state, begin, length = np.arange(count), np.zeros(count), 1.0  # of the pieces
     for halving in range(HALVINGS + 1):
-        inner = np.stack([power(state, begin + part * length) for part in (0.25, 0.75)])
-        left, middle, right = ends
-        coarse = length / 6.0 * (left + 4.0 * middle + right)
-        fine = length / 12.0 * (left + 4.0 * inner.sum(axis=0) + 2.0 * middle + right)
+        rule = PIECE if halving else WHOLE
+        found = [power(term, rest, q[:, state], begin + length * at) for at in rule.points]
+        net, gross = (np.stack(part) for part in zip(*found))  # (points, pieces)
         if halving == 0:
-            size = np.abs([left, middle, right, *inner]).mean(axis=0)
-        good = np.abs(fine - coarse) <= TOLERANCE * size[state]
-        good |= halving == HALVINGS
-        np.add.at(total, state[good], (fine + (fine - coarse) / 15.0)[good])
-        if good.all():
+            near = 0.1 * TOLERANCE * rule.fine @ np.abs(net) + ROUNDING * rule.fine @ gross
+        with np.errstate(invalid="ignore"):  # what has no value is not rough
+            fine, coarse = (length * weights @ net for weights in (rule.fine, rule.coarse))
+            rough = np.abs(fine - coarse) > near[state]
+        if halving == HALVINGS or len(state) > PIECES * count:
+            rough[:] = False
+        np.add.at(total, state[~rough], fine[~rough])
+        state, begin, length = state[rough], begin[rough], 0.5 * length
+        if not len(state):
             break
-        state, begin, rough = state[~good], begin[~good], ~good
-        ends = np.concatenate(
-            [
-                np.stack([left, inner[0], middle])[:, rough],
-                np.stack([middle, inner[1], right])[:, rough],
-            ],
-            axis=1,
-        )
-        length *= 0.5
         state, begin = np.tile(state, 2), np.concatenate([begin, begin + length])
     return total
+
+
+def power(
+    term: Term, rest: np.ndarray, path: np.ndarray, at: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray]:
+    """f'q and sum |f_i q_i| (k,) [J] at parts `at` of the paths q (n, k)."""
+    at = np.broadcast_to(at, path.shape[1])
+    net, gross = np.empty(path.shape[1]), np.empty(path.shape[1])
+    for first in range(0, path.shape[1], CHUNK):
+        some = slice(first, first + CHUNK)
+        product = path[:, some] * forces(term, rest + at[some] * path[:, some])
+        net[some], gross[some] = product.sum(axis=0), np.abs(product).sum(axis=0)
+    return net, gross
 
 
 def forces(term: Term, displacement: np.ndarray) -> np.ndarray:
