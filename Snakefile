@@ -4,42 +4,40 @@
 #   snakemake --cores 2 tables          only these (or: figures)
 #   snakemake --cores 2 cost            what accuracy costs in time
 #   snakemake --cores 2 effects         what each effect of a scene is worth; no model is trained
-#   snakemake --cores 2 stability       only the grid of hard cases
+#   snakemake --cores 2 stability       only the robustness study
 #   snakemake --list                    all rules; each method has its own
+import re
 import sys
 from pathlib import Path
 
-from vibrom.config import files as config_files
-from vibrom.artefacts import provenance
-from vibrom.config import settings
-from vibrom.config.plugs import constants, names
+try:
+    import vibrom
+except ImportError:
+    sys.exit(
+        f"vibrom: the package is not installed for {sys.executable}; activate its environment, or "
+        "make one (see README.md)"
+    )
 
 ROOT = Path(workflow.basedir)
-CONFIG = ROOT / "config/config.yaml"
+OWN, RUNNING = ROOT / "src/vibrom", Path(vibrom.__file__).parent
+if OWN.is_dir() and not OWN.samefile(RUNNING):
+    sys.exit(
+        f"vibrom: {RUNNING} would run, and not this checkout's {OWN}; activate the environment of "
+        "this checkout, or make one (see README.md)"
+    )
 
+from vibrom.artefacts import provenance
+from vibrom.config import errors, settings
+from vibrom.config.plugs import constants, names
 
-def checked(function, *arguments, **options):
-    """The answer of the function; a wrong entry of the configuration is one line and the end."""
-    try:
-        return function(*arguments, **options)
-    except config_files.SettingsError as error:
-        sys.exit(f"vibrom: {error}")
-
-
-checked(config_files.read, CONFIG)
-
-
-configfile: str(CONFIG)
-
-
-SETTINGS = checked(
-    settings.load,
-    config,
-    folder=ROOT / "config",
-    schemas=ROOT / "workflow/schemas",
-    files=[name for name in workflow.configfiles if Path(name) != CONFIG],
-)
-SCENES, METHODS = SETTINGS.scenes, SETTINGS.methods
+CONFIG = ROOT / "config"
+# Read here and not by Snakemake, for which `on`, 0200 and 1:30 are not what they look like.
+try:
+    SETTINGS = settings.load(CONFIG, workflow.configfiles, workflow.config_settings.config)
+except errors.ConfigError as error:
+    sys.exit(f"vibrom: {error}")
+SCENES = {name: scene.to_builtins() for name, scene in SETTINGS.scenes.items()}
+METHODS = {name: method.to_builtins() for name, method in SETTINGS.methods.items()}
 
 
 pathvars:
@@ -49,8 +47,8 @@ pathvars:
 
 
 wildcard_constraints:
-    scene="|".join(SCENES),
-    method="|".join(METHODS),
+    scene="|".join(map(re.escape, SCENES)),
+    method="|".join(map(re.escape, METHODS)),
     seed=r"seed_\d+|unseeded",
     role="train|test",
 
@@ -73,10 +71,8 @@ include: "workflow/rules/resume.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/cost.smk"
+include: "workflow/rules/studies.smk"
 include: "workflow/rules/results.smk"
-include: "workflow/rules/effects.smk"
-include: "workflow/rules/stability.smk"
 include: "workflow/rules/families.smk"
 
 

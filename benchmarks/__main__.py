@@ -27,7 +27,7 @@ import pandas as pd
 from rich.console import Console
 
 from benchmarks import page
-from vibrom.report.figures.style import STYLE, render
+from vibrom.report.drawing.style import STYLE, render
 
 # In the order of the page.
 NAMES = (

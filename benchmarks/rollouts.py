@@ -37,7 +37,7 @@ from vibrom.models.recorded import trajectory
 from vibrom.models.rollout import LIMIT, Drive, Integrator, rollout
 from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import Training
-from vibrom.report.figures.style import look
+from vibrom.report.drawing.style import look
 
 SCENE = Path("results/folding")
 METHODS = (

@@ -19,7 +19,7 @@ from benchmarks.cantilever import NEWMARK, SCENE, STEPS_PER_PERIOD, build
 from benchmarks.table import Row, paired
 from vibrom.solvers.full.newmark import Motion, Record
 
-CURVE = SCENE["frc"]
+CURVE = SCENE["experiments"]["frc"]
 
 
 def run(frequencies: np.ndarray, periods: int) -> Motion:
@@ -38,7 +38,7 @@ def run(frequencies: np.ndarray, periods: int) -> Motion:
 
 
 def measure(note) -> Iterator[Row]:
-    all_of_them = np.linspace(CURVE["from"], CURVE["to"], CURVE["frequencies"])
+    all_of_them = np.linspace(CURVE["lowest"], CURVE["highest"], CURVE["frequencies"])
     for name, some in (
         ("low", all_of_them[:16]),
         ("at resonance", all_of_them[9:25]),
@@ -87,5 +87,5 @@ def measure(note) -> Iterator[Row]:
 
 if __name__ == "__main__":
     # Neighbours share their resonance: frequencies that alternate would spread it over both halves.
-    every = np.linspace(CURVE["from"], CURVE["to"], CURVE["frequencies"])
+    every = np.linspace(CURVE["lowest"], CURVE["highest"], CURVE["frequencies"])
     run(every[:16] if sys.argv[1] == "0" else every[16:], CURVE["periods"])

@@ -45,8 +45,9 @@ from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rollout import Integrator, decode_displacement, rollout
 from vibrom.models.rom import Rom
 from vibrom.models.training import Training, Trajectory
-from vibrom.report.figures.style import look
-from vibrom.thesis.published import LABELS, percent, run_time
+from vibrom.report.drawing.style import look
+from vibrom.thesis.labels import LABELS
+from vibrom.thesis.published import percent, run_time
 
 SCENES = ("small", "large", "folding")
 METHODS = ("decoupled_autoencoder", "sindy_autoencoder", "split")

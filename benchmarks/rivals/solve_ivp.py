@@ -19,7 +19,7 @@ def simulate(
     amplitude: float = 0.0,
     frequency: float = 0.0,
 ) -> np.ndarray:
-    """Z (m, r) at `times` (m,) from `start` (r,) at t = 0, NaN after the end of a run that ended
+    """z (m, r) at `times` (m,) from `start` (r,) at t = 0, NaN after the end of a run that ended
     early; the load p (n,) acts as p a sin(w t).
     """
 

@@ -86,7 +86,7 @@ def test_a_scene_without_an_effect_has_no_trace_of_it():
 
 
 def test_probe_off_the_mesh_is_refused():
-    with pytest.raises(SceneError, match=r"body.probes.tip.at = \[0.51, 0.0\] is no free node"):
+    with pytest.raises(SceneError, match=r"body.probes.tip.at = \[0.51, 0.0\] is no node"):
         space.build(body(probes={"tip": {"at": [0.51, 0.0], "direction": "y"}}))
 
 

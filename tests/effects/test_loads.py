@@ -41,7 +41,8 @@ def test_static_deflection_under_a_point_load():
 def test_a_point_off_the_mesh_names_the_nearest_node(effect, settings):
     with pytest.raises(
         SceneError,
-        match=rf"effects.{effect}.at = \[0.51, 0.0\] is no free node; the nearest one is at \[0.5, 0.0\]",
+        match=rf"effects.{effect}.at = \[0.51, 0.0\] is no node of the mesh; "
+        r"the nearest one is \[0.5, 0.0\]",
     ):
         effects.assemble(space.build(body()), {**LINEAR, effect: {"at": [0.51, 0.0], **settings}})
 
@@ -147,7 +148,7 @@ def test_follower_load_is_that_of_the_form(element, edge):
         return term.dead_load - f[:, 0]
 
     boundary = skfem.FacetBasis(
-        made.basis.mesh, made.basis.elem, facets=made.sides[edge], intorder=6
+        made.basis.mesh, made.basis.elem, facets=made.basis.mesh.boundaries[edge], intorder=6
     )
 
     @skfem.LinearForm

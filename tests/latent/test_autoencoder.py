@@ -1,5 +1,7 @@
 """Time derivatives through the network, their gradients, and the same network in NumPy."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 import torch
@@ -14,8 +16,7 @@ from vibrom.latent.autoencoder import (
     tangent,
     tangent_backward,
 )
-from vibrom.latent.autoencoder_rom import activate, slope_at_rest
-from vibrom.latent.autoencoder_rom import network as network_in_numpy
+from vibrom.latent.networks import Activation, Network, activate
 from vibrom.latent.polynomial import exponents
 from vibrom.latent.polynomial import monomials as monomials_in_numpy
 
@@ -60,6 +61,10 @@ def taylor(stack, weights, activation):
             torch.func.jvp(slope, (y, first), (first, second))[1],
         ]
     )
+
+
+def test_every_activation_that_is_offered_is_there():
+    assert set(ACTIVATIONS) == set(get_args(Activation))
 
 
 @pytest.mark.parametrize("activation", sorted(ACTIVATIONS))
@@ -129,13 +134,11 @@ def test_gradient_of_the_tangent_equals_automatic_differentiation():
 def test_numpy_equals_torch(activation):
     weights, stack = draw()
     arrays = [weight.numpy() for weight in weights]
-    ours = network_in_numpy(
-        arrays, np.zeros((SIZES[-1], SIZES[0])), activation, stack.numpy(), curved=True
-    )
-    assert np.allclose(ours, forward(stack, weights, activation)[0].numpy(), atol=1e-14)
-    assert np.allclose(
-        slope_at_rest(arrays, activation), tangent(weights, activation).numpy(), atol=1e-15
-    )
+    ours = Network(arrays, np.zeros((SIZES[-1], SIZES[0])), activation)
+    theirs = forward(stack, weights, activation)[0].numpy()
+    assert np.allclose(ours.motion(stack.numpy()), theirs, atol=1e-14)
+    assert np.allclose(ours.along(stack.numpy()[:2]), theirs[:2], atol=1e-14)
+    assert np.allclose(ours.slope_at_rest(), tangent(weights, activation).numpy(), atol=1e-15)
     assert activate(activation, np.zeros(1), 1)[1][0] == SLOPE_AT_REST[activation]
 
 

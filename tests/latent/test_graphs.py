@@ -10,10 +10,11 @@ import torch
 from vibrom.latent import training as loop
 from vibrom.latent.autoencoder import Autoencoder
 from vibrom.latent.graphs import captured
+from vibrom.latent.learner import Dynamics
 from vibrom.latent.polynomial import exponents
-from vibrom.models.training import Monitor
+from vibrom.models.training import Clock
 
-DYNAMICS = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
+DYNAMICS = Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
 SAMPLES = np.random.default_rng(0).standard_normal((3, 40, 5))
 
 
@@ -24,20 +25,20 @@ def trained(device="cpu", **changes):
         batch=16,
         shuffle=True,
         learning_rate=1e-2,
-        rate="one_cycle",
+        profile="one_cycle",
         precision="float64",
         optimiser="soap",
     )
-    learnt = loop.train(
+    weights, found = loop.train(
         Autoencoder((5, 8, 1), "silu"),
         DYNAMICS,
         loop.Schedule(**settings | changes),
         SAMPLES,
         seed=3,
         device=torch.device(device),
-        monitor=Monitor(),
+        monitor=Clock(),
     )
-    return np.concatenate([part.ravel() for part in learnt])
+    return np.concatenate([part.ravel() for part in (*weights, found)])
 
 
 @pytest.fixture

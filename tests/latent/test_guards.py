@@ -19,7 +19,7 @@ from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.models.rollout import Integrator, rollout
 from vibrom.models.rom import Guards, Rom, rom_from_dataset
-from vibrom.models.training import MethodError, Structure, Training, Trajectory
+from vibrom.models.training import MethodError, Structure, Training, Trajectory, Unsupported
 
 RNG = np.random.default_rng(0)
 REACH, SCALE = np.array([2.0, 0.5, 30.0, 9.0]), np.array([1.5, 0.4, 20.0, 10.0])
@@ -101,7 +101,7 @@ def test_constrained_least_squares_against_a_general_optimiser():
 
 
 def learnt(acceleration, *, start=0.8, periods=12, **guards) -> PolynomialRom:
-    """Modal projection of one degree of freedom let go from `start`, omega = 1, with these guards."""
+    """Modal projection of one degree of freedom released from `start`, omega = 1, with these guards."""
     t = np.linspace(0, 2 * np.pi * periods, 200 * periods + 1)
     z, v = solve_ivp(
         lambda t, y: [y[1], acceleration(*y)],
@@ -153,7 +153,7 @@ def test_a_dissipative_fit_is_damped_and_turns_everywhere(name, order):
         for part in (z, mirrored)
     )
     even, odd, radius = (forward + back) / 2, (forward - back) / 2, np.hypot(*z.T)
-    # Asked for on rays two degrees apart: between them a polynomial of order 7 can pass by its
+    # Imposed on rays two degrees apart: between them a polynomial of order 7 can pass by its
     # bound by (7 pi/180)^2/8 of its size.
     slack = 2e-3 * radius**2
     assert (odd * z[:, 1] <= slack).all()
@@ -209,7 +209,6 @@ def test_an_autoencoder_that_is_the_identity_has_the_guards_of_a_polynomial(guar
     row = plain.dynamics[1] / np.prod(
         plain.scale**plain.dynamics_powers, axis=1
     )  # over monomials of z and z' themselves
-    mass = {"mass_row": np.zeros(1), "mass_column": np.zeros(1), "mass_value": np.ones(1)}
     same = AutoencoderRom(
         plain.reach,
         np.array([1, 1]),
@@ -217,13 +216,13 @@ def test_an_autoencoder_that_is_the_identity_has_the_guards_of_a_polynomial(guar
         np.array([[0.3]]),
         np.array([[1 / 0.3]]),
         None,
-        np.array(0.3),
-        np.array(2.5),
+        0.3,
+        2.5,
         (row * np.prod(np.array([1.0, 2.5]) ** plain.dynamics_powers, axis=1) / 2.5**2)[None],
+        csr_matrix(np.ones((1, 1))),
         3,
         "silu",
-        "decoder",
-        **mass,
+        "decoder_mass",
     )
     points = RNG.uniform(-3, 3, (40, 2)) * plain.reach
     right = plain.guarded(guards, training).drift(points)
@@ -277,7 +276,7 @@ def test_guards_are_stored(tmp_path):
 def test_a_model_of_two_modes_is_refused_by_name():
     rom = replace(learnt(FEEDING["softening"]), encoder=np.eye(2))
     motion = Trajectory(np.arange(3.0), *np.ones((3, 3, 2)))
-    with pytest.raises(MethodError, match="set dissipative: 0"):
+    with pytest.raises(Unsupported, match="set dissipative: 0"):
         rom.guarded(Guards(dissipative=3), Training((motion,)))
 
 
@@ -289,7 +288,7 @@ def test_wrong_guards_and_models_without_any():
     class Own(Rom):
         encode = decode = drift = force_map = None
 
-    own = Own(np.ones(2))
-    assert own.guarded(Guards(), Training(())) is own
-    with pytest.raises(MethodError, match="Own has no guards"):
-        own.guarded(Guards("linear"), Training(()))
+    own, training = Own(np.ones(2)), Training((Trajectory(np.zeros(1), *np.ones((3, 1, 1))),))
+    assert own.guarded(Guards(), training) is own
+    with pytest.raises(Unsupported, match="Own has no guards"):
+        own.guarded(Guards("linear"), training)

@@ -4,22 +4,26 @@ functions against SciPy's.
 
 from dataclasses import replace
 from itertools import product
+from typing import get_args
 
 import numpy as np
 import pytest
 from numba import njit
-from scipy.sparse import coo_matrix, diags
+from scipy.sparse import csr_matrix, diags
 from scipy.special import expit
 
 from vibrom.kernels.lanes import WIDTH, get, put
-from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom
-from vibrom.latent.decoder_kernel import ACTIVATIONS, _activate
+from vibrom.latent.autoencoder_rom import AutoencoderRom, DecoderBeyond
+from vibrom.latent.elementary import CODES, activate
+from vibrom.latent.force_rules import ForceRule
+from vibrom.latent.networks import Activation
 from vibrom.latent.polynomial import exponents, monomials
 from vibrom.latent.polynomial_kernel import polynomial_kernel
 from vibrom.models.rom import rom_from_dataset
-from vibrom.models.training import MethodError
+from vibrom.models.training import Unsupported
 
 DOFS = 9
+RULES, BEYOND, ACTIVATIONS = (get_args(kind) for kind in (ForceRule, DecoderBeyond, Activation))
 
 
 def values(kernel, z):
@@ -58,7 +62,7 @@ def test_elementary_functions_anywhere():
     @njit
     def both(code, a, value, slope):
         for i in range(len(a)):
-            s, ds = _activate(code, get(a, i, WIDTH))
+            s, ds = activate(code, get(a, i, WIDTH))
             put(value, i, s)
             put(slope, i, ds)
 
@@ -75,7 +79,7 @@ def test_elementary_functions_anywhere():
             "tanh": (np.tanh(a), np.cosh(a) ** -2.0),
             "softplus": (np.logaddexp(0.0, a) - np.log(2.0), s),
         }
-    for code, name in enumerate(ACTIVATIONS):
+    for name, code in CODES.items():
         both(code, a, value, slope)
         # A few units in the last place of one, or of the value where that is larger; NaN stays NaN.
         np.testing.assert_allclose(value, right[name][0], rtol=2e-15, atol=4e-16, err_msg=name)
@@ -83,12 +87,18 @@ def test_elementary_functions_anywhere():
 
 
 def autoencoder(
-    latent=1, rank=5, activation="silu", rule="decoder", first_order=False, hidden=(7, 10), seed=0
+    latent=1,
+    rank=5,
+    activation="silu",
+    rule="decoder_mass",
+    first_order=False,
+    hidden=(7, 10),
+    seed=0,
 ):
     rng, width = np.random.default_rng(seed), rank or DOFS
     sizes = np.array([width, *hidden, latent])
     count = int((sizes[1:] * sizes[:-1]).sum())
-    mass = coo_matrix(diags([0.1, 1.0, 0.1], [-1, 0, 1], shape=(DOFS, DOFS)))
+    mass = diags([0.1, 1.0, 0.1], [-1, 0, 1], shape=(DOFS, DOFS))
     order = 3
     rows = 2 * latent if first_order else latent
     return AutoencoderRom(
@@ -98,15 +108,13 @@ def autoencoder(
         rng.standard_normal((latent, width)),
         rng.standard_normal((width, latent)),
         np.linalg.qr(rng.standard_normal((DOFS, rank)))[0] if rank else None,
-        np.array(0.03),
-        np.array(25.0),
+        0.03,
+        25.0,
         rng.standard_normal((rows, len(exponents(2 * latent, 1, order)))),
+        csr_matrix(mass),
         order,
         activation,
         rule,
-        mass.row,
-        mass.col,
-        mass.data,
     )
 
 
@@ -205,7 +213,7 @@ def test_a_lane_does_not_see_its_neighbours():
 
 
 def test_without_a_mass_a_load_is_refused_and_a_decay_is_not():
-    rom = replace(autoencoder(), mass_row=None, mass_column=None, mass_value=None)
+    rom = replace(autoencoder(), mass=None)
     assert rom.field(None).force is None
-    with pytest.raises(MethodError, match="without a mass matrix"):
+    with pytest.raises(Unsupported, match="without a mass matrix"):
         rom.field(np.ones(DOFS))

@@ -8,12 +8,13 @@ import torch
 
 from vibrom.latent import training as loop
 from vibrom.latent.autoencoder import Autoencoder
+from vibrom.latent.learner import Dynamics, Learner
 from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.polynomial import exponents
-from vibrom.models.training import Monitor, TrainingDiverged
+from vibrom.models.training import Clock, Monitor, TrainingDiverged
 
 SHAPE = Autoencoder((5, 8, 1), "silu")
-DYNAMICS = loop.Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
+DYNAMICS = Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
 
 
 @pytest.fixture(autouse=True)
@@ -37,7 +38,7 @@ def schedule(**changes):
         batch=16,
         shuffle=True,
         learning_rate=1e-2,
-        rate="one_cycle",
+        profile="one_cycle",
         precision="float32",
         optimiser="soap",
     )
@@ -48,6 +49,7 @@ class Kept(Monitor):
     """Keeps what it is told, and stops the training after so many checkpoints."""
 
     def __init__(self, state=None, stop_after=None):
+        super().__init__()
         self.state, self.stop_after, self.rows = state, stop_after, []
 
     def epoch(self, epoch, epochs, losses):
@@ -65,16 +67,17 @@ class Kept(Monitor):
 
 def train(monitor=None, dynamics=DYNAMICS, data=None, seed=7, label="", **changes):
     data = motion() if data is None else data
-    return loop.train(
+    weights, found = loop.train(
         SHAPE,
         dynamics,
         schedule(**changes),
         data,
         seed=seed,
         device=torch.device("cpu"),
-        monitor=monitor or Monitor(),
+        monitor=monitor or Clock(),
         label=label,
     )
+    return weights if found is None else [*weights, found]
 
 
 def same(one, two):
@@ -133,10 +136,10 @@ def test_loss_and_gradient_equal_automatic_differentiation():
     column = torch.tensor([[1.0], [0.5], [-0.3], [0.2], [0.1]], dtype=torch.float64)
     shape = Autoencoder((5, 8, 6, 1), "silu", column.T.clone(), column, fixed_tangent=True)
     norm = np.random.default_rng(3).standard_normal((5, 5))
-    dynamics = loop.Dynamics(
+    dynamics = Dynamics(
         np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.3, 3.0, 0.7, 0.2, 0.01, norm
     )
-    learner = loop.Learner(
+    learner = Learner(
         shape, dynamics, torch.float64, torch.device("cpu"), torch.Generator().manual_seed(0)
     )
     c = torch.tensor(motion())
@@ -152,7 +155,7 @@ def test_loss_and_gradient_equal_automatic_differentiation():
 def test_nothing_is_fetched_within_the_loop(optimiser, dynamics):
     """On torch's device without data any look at a value is an error."""
     device = torch.device("meta")
-    learner = loop.Learner(SHAPE, dynamics, torch.float32, device, torch.Generator().manual_seed(0))
+    learner = Learner(SHAPE, dynamics, torch.float32, device, torch.Generator().manual_seed(0))
     chosen = schedule(optimiser=optimiser, epochs=3)
     c = torch.empty(3, 64, 5, device=device)
     for epoch, sums in loop.epochs(
@@ -172,7 +175,7 @@ def test_nothing_is_fetched_within_the_loop(optimiser, dynamics):
     "changes",
     [
         {},
-        {"batch": 0, "shuffle": False, "rate": "constant", "precision": "float64"},
+        {"batch": 0, "shuffle": False, "profile": "constant", "precision": "float64"},
         {"optimiser": "adam"},
     ],
 )

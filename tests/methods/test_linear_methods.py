@@ -96,7 +96,7 @@ def test_without_operators_one_clear_line(training):
 def test_unknown_setting_is_named():
     with pytest.raises(
         MethodError,
-        match="methods.ssmlearn.degree = 5 is unknown; known settings: dissipative, extrapolation, modes, order_decoder, order_dynamics",
+        match="methods.ssmlearn.degree is no setting; ",
     ):
         method_from_settings("ssmlearn", {"degree": 5})
 

@@ -5,14 +5,17 @@ alone.
 import json
 
 import numpy as np
-import pandas as pd
 import pytest
+import studies
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables
-from vibrom.report import checks, headline, tables
-from vibrom.report.collection import Collection
-from vibrom.report.scores import COLUMNS, Scores
+from vibrom.artefacts.outcome import Tally
+from vibrom.report import tables
+from vibrom.report.collection import Collection, Key
+from vibrom.report.scores import Score, Scores
+from vibrom.report.tables import checks
+from vibrom.thesis import promises
 from vibrom.thesis import published as thesis
 
 PROBES = ["probe", "tip", "tip_x"]
@@ -20,22 +23,20 @@ PROBES = ["probe", "tip", "tip_x"]
 
 def structure(omega=398.0524, body=None, effects=None):
     attrs = {
-        "body": json.dumps({**checks.BODY, "clamped": ["left"]} | (body or {})),
-        "effects": json.dumps(checks.EFFECTS | (effects or {})),
+        "body": json.dumps({**promises.BODY, "clamped": ["left"]} | (body or {})),
+        "effects": json.dumps(promises.EFFECTS | (effects or {})),
     }
-    return xr.Dataset(
-        {"frequency": ("mode", [omega]), "probe_dof": ("probe", [0, 1, 2])},
-        {"probe": PROBES},
-        attrs,
-    )
+    variables = {"frequency": ("mode", [omega]), "probe_dof": ("probe", [0, 1, 2])}
+    return xr.Dataset(variables, {"probe": PROBES}, attrs)
 
 
 def release(off=0.0, recipes=None):
-    states = [
-        [thesis.state("small", role)[f"{probe}_m"] for probe in PROBES]
-        for role in ("train", "test")
-    ]
-    states = np.array(states)
+    states = np.array(
+        [
+            [thesis.state("small", role)[f"{probe}_m"] for probe in PROBES]
+            for role in ("train", "test")
+        ]
+    )
     states[0, 1] *= 1 + off
     return xr.Dataset(
         {"displacement": (("role", "dof"), states)},
@@ -45,59 +46,38 @@ def release(off=0.0, recipes=None):
 
 
 def forced(tip=0.00095, outcome="ok", forcing=1.0):
-    motion = np.array(
-        [[0, 0, 0, 0], [0, 9, tip / 2, -tip], [0, 0, 0, 0]]
-    )  # 9 before the last period
-    return xr.Dataset(
-        {
-            "probe_displacement": (("probe", "time"), motion),
-            "forcing": forcing,
-            **outcome_variables(outcome),
-        },
-        {"probe": PROBES, "time": [0.0, 1.0, 2.0, 3.0], "last_time": [2.0, 3.0]},
-    )
+    # 9 m before the last period
+    motion = np.array([[0, 0, 0, 0], [0, 9, tip / 2, -tip], [0, 0, 0, 0]])
+    variables = {"probe_displacement": (("probe", "time"), motion), "forcing": forcing}
+    coords = {"probe": PROBES, "time": [0.0, 1.0, 2.0, 3.0], "last_time": [2.0, 3.0]}
+    return xr.Dataset({**variables, **outcome_variables(outcome)}, coords)
 
 
 def run(method=None, values=(), outcome="ok", **full):
-    """The checks of the case small by (method, quantity); `values` are (experiment, metric, value)."""
+    """The checks of the case small; `values` are (experiment, metric, value)."""
     full = {"structure": structure(), "release": release(), "forced": forced()} | full
     loaders = {
-        ("small", "full_order", "unseeded", name): (lambda data=data: data)
+        Key("small", "full_order", None, name): (lambda data=data: data)
         for name, data in full.items()
+        if data is not None
     }
     if method:
-        loaders |= {
-            ("small", method, "seed_0", name): lambda: xr.Dataset(outcome_variables(outcome))
-            for name in ("reconstruction", "decay", "eigenvalues", "forced")
-        }
-    rows = [("small", method, 0, *value, "1", 0.1, outcome) for value in values]
-    rows.append(
-        (
-            "small",
-            "full_order",
-            -1,
-            "eigenvalues",
-            "imaginary_rad_per_s",
-            398.03,
-            "rad/s",
-            0.1,
-            "ok",
-        )
-    )
-    return checks.table(Collection(loaders), Scores(pd.DataFrame(rows, columns=list(COLUMNS))))
+        for name in ("reconstruction", "decay", "eigenvalues", "forced"):
+            answer = xr.Dataset(outcome_variables(outcome))
+            loaders[Key("small", method, 0, name)] = lambda answer=answer: answer
+    rows = [Score("small", method, 0, *value, "1", 0.1, Tally([outcome])) for value in values]
+    own = ("eigenvalues", "imaginary_rad_per_s", 398.03, "rad/s", 0.1, Tally(["ok"]))
+    rows.append(Score("small", "full_order", None, *own))
+    return tables.make("checks", Collection(loaders), Scores(rows)).rows
 
 
-def met(frame, quantity, method="full_order"):
-    return list(frame.loc[(frame["method"] == method) & (frame["quantity"] == quantity), "met"])
+def met(rows, quantity, method="full_order"):
+    return [row["met"] for row in rows if (row["method"], row["quantity"]) == (method, quantity)]
 
 
 def test_the_full_order_within_and_outside_its_bounds():
     good = run()
-    assert (
-        list(good.columns) == list(checks.COLUMNS)
-        and set(good["met"]) == {"yes"}
-        and len(good) == 9
-    )
+    assert {row["met"] for row in good} == {"yes"} and len(good) == 9
     assert met(run(structure=structure(398.0535)), "omega_1") == ["no"]
     assert met(run(release=release(0.0009)), "train release, tip") == ["yes"]
     assert met(run(release=release(0.0011)), "train release, tip") == ["no"]
@@ -107,10 +87,10 @@ def test_the_full_order_within_and_outside_its_bounds():
 
 def test_a_missing_number_is_not_met():
     assert met(run(release=None), "test release, tip_x") == ["no"]
-    failed = run(forced=forced(outcome="newton_failed"))
+    failed = run(forced=forced(outcome="no_convergence"))
     assert met(failed, "forced, largest tip") == ["no"]
     assert met(failed, "forced, cells without value or outcome") == ["yes"]  # it says why
-    assert set(run("split").query("method == 'split'")["met"]) == {"no"}
+    assert {row["met"] for row in run("split") if row["method"] == "split"} == {"no"}
 
 
 @pytest.mark.parametrize(
@@ -123,96 +103,65 @@ def test_a_missing_number_is_not_met():
     ],
 )
 def test_another_beam_is_not_compared(body, effects):
-    frame = run("split", structure=structure(300.0, body, effects))
-    assert set(frame["quantity"]) == {"forced, cells without value or outcome"}
+    rows = run("split", structure=structure(300.0, body, effects))
+    assert {row["quantity"] for row in rows} == {"forced, cells without value or outcome"}
 
 
 def test_another_release_or_forcing_is_not_compared():
-    frame = run(
-        release=release(0.5, {"train": {"forcing": 700.0, "step": 4545}}),
-        forced=forced(1.0, forcing=2.0),
-    )
-    assert not any(
-        frame["quantity"].str.startswith("train release")
-        | (frame["quantity"] == "forced, largest tip")
-    )
-    assert met(frame, "test release, tip") == ["yes"]
+    recipes = {"train": {"forcing": 700.0, "step": 4545}}
+    rows = run(release=release(0.5, recipes), forced=forced(1.0, forcing=2.0))
+    quantities = {row["quantity"] for row in rows}
+    assert "forced, largest tip" not in quantities
+    assert not any(quantity.startswith("train release") for quantity in quantities)
+    assert met(rows, "test release, tip") == ["yes"]
+
+
+OTHER = {"forcing": 700.0, "step": 4545}
 
 
 @pytest.mark.parametrize(
-    "changed, left",
+    ("changed", "left"),
     [
-        ({"release": release(recipes={"train": {"forcing": 700.0, "step": 4545}})}, set()),
-        ({"release": release(recipes={"test": {"forcing": 700.0, "step": 4545}})}, {"forced NMTE"}),
+        ({"release": release(recipes={"train": OTHER})}, set()),
+        ({"release": release(recipes={"test": OTHER})}, {"forced NMTE"}),
         ({"forced": forced(forcing=2.0)}, {"reconstruction NMTE", "decay NMTE"}),
         ({}, {"reconstruction NMTE", "decay NMTE", "forced NMTE"}),
     ],
 )
 def test_models_are_compared_where_all_that_their_answer_depends_on_is_the_thesis_s(changed, left):
-    frame = run(
-        "split_plus",
-        [
-            ("reconstruction", "nmte_percent", 0.08),
-            ("decay", "nmte_percent", 0.2),
-            ("forced", "nmte_percent", 0.18),
-        ],
-        **changed,
-    )
-    assert set(frame.query("method == 'split_plus' and source != 'promise'")["quantity"]) == left
-    curve = Collection({("small", "full_order", "unseeded", "frc"): lambda: forced(forcing=2.0)})
-    assert checks.as_printed("small", curve) == {"train", "test", "forced"}
+    errors = {"reconstruction": 0.08, "decay": 0.2, "forced": 0.18}
+    values = [(name, "nmte_percent", error) for name, error in errors.items()]
+    rows = run("split_plus", values, **changed)
+    compared = [row for row in rows if row["method"] == "split_plus" and row["source"] != "promise"]
+    assert {row["quantity"] for row in compared} == left
+    curve = {Key("small", "full_order", None, "frc"): lambda: forced(forcing=2.0)}
+    assert checks.as_printed("small", Collection(curve)) == {"train", "test", "forced"}
 
 
 def test_trained_methods_against_the_thesis():
-    frame = run(
-        "split_plus",
-        [
-            ("reconstruction", "nmte_percent", 0.08),
-            ("decay", "nmte_percent", 0.3),
-            ("forced", "nmte_percent", 0.18),
-        ],
-    )
-    assert [
-        met(frame, f"{name} NMTE", "split_plus") for name in ("reconstruction", "decay", "forced")
-    ] == [["yes"], ["no"], ["yes"]]  # 0.086916, 0.27806 and 0.18596 are printed
-    assert headline.checks(frame) == [
-        "Checks    12 of 13 met",
-        "not met   small, SPLIT+: decay NMTE 0.300000 (bound at most 0.27806)",
-    ]
+    errors = {"reconstruction": 0.08, "decay": 0.3, "forced": 0.18}
+    rows = run("split_plus", [(name, "nmte_percent", error) for name, error in errors.items()])
+    # 0.086916, 0.27806 and 0.18596 are printed
+    found = [met(rows, f"{name} NMTE", "split_plus") for name in errors]
+    assert found == [["yes"], ["no"], ["yes"]]
 
 
 def test_deterministic_methods_against_the_thesis():
-    pair = [("eigenvalues", "real_per_s", -3.99), ("eigenvalues", "imaginary_rad_per_s", 405.0)]
-    frame = run(
-        "ssmlearn",
-        [("reconstruction", "nmte_percent", 0.02110), ("decay", "nmte_percent", 0.0718), *pair],
-    )
-    quantities = (
-        "reconstruction NMTE",
-        "decay NMTE",
-        "eigenvalue, real part",
-        "eigenvalue, imaginary part",
-    )
-    assert [met(frame, name, "ssmlearn") for name in quantities] == [
-        ["yes"],
-        ["yes"],
-        ["yes"],
-        ["no"],
-    ]
+    values = [("eigenvalues", "real_per_s", -3.99), ("eigenvalues", "imaginary_rad_per_s", 405.0)]
+    values += [("reconstruction", "nmte_percent", 0.0211), ("decay", "nmte_percent", 0.0718)]
+    rows = run("ssmlearn", values)
+    quantities = ("reconstruction NMTE", "decay NMTE", "eigenvalue, real part")
+    assert [met(rows, name, "ssmlearn") for name in quantities] == [["yes"]] * 3
+    assert met(rows, "eigenvalue, imaginary part", "ssmlearn") == ["no"]
 
 
 def test_sindy_has_bounds_of_its_own():
-    frame = run(
-        "sindy_autoencoder",
-        [
-            ("decay", "nmte_percent", 50.0),
-            ("eigenvalues", "real_per_s", 0.2),
-            ("eigenvalues", "imaginary_rad_per_s", 380.0),
-        ],
-    )
-    assert met(frame, "decay NMTE", "sindy_autoencoder") == ["yes", "no"]  # the thesis has 111
-    assert met(frame, "eigenvalue, real part", "sindy_autoencoder") == ["no"]
-    assert met(frame, "eigenvalue, imaginary part", "sindy_autoencoder") == ["yes"]
+    values = [("decay", "nmte_percent", 50.0), ("eigenvalues", "real_per_s", 0.2)]
+    rows = run("sindy_autoencoder", [*values, ("eigenvalues", "imaginary_rad_per_s", 380.0)])
+    method = "sindy_autoencoder"
+    assert met(rows, "decay NMTE", method) == ["yes", "no"]  # the thesis has 111
+    assert met(rows, "eigenvalue, real part", method) == ["no"]
+    assert met(rows, "eigenvalue, imaginary part", method) == ["yes"]
 
 
 def test_a_cell_has_a_value_or_a_word(collection, scores):
@@ -220,46 +169,42 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
     assert met(run("split", outcome="diverged"), quantity, "split") == ["yes"]
     assert met(run("split"), quantity, "split") == ["no"]
     for motion, kept in ((forced(), "yes"), (forced(np.nan), "no")):
-        assert met(
-            run(forced=motion.assign_coords(probe=["probe", "middle", "end"])), quantity
-        ) == [kept]  # no probe called tip
-    frame = tables.build("checks", collection, scores)  # 8 x 2 cells: not the thesis's beam
-    assert len(frame) == 2 * 4 * 2 and set(frame["met"]) == {"yes"}
+        without_tip = motion.assign_coords(probe=["probe", "middle", "end"])
+        assert met(run(forced=without_tip), quantity) == [kept]
+    rows = tables.make("checks", collection, scores).rows  # 8 x 2 cells: not the thesis's beam
+    assert len(rows) == 2 * 4 * 2 and {row["met"] for row in rows} == {"yes"}
 
 
-def test_guarded_response_curves_have_bounds_of_their_own():
-    good = {
-        "case": "folding",
-        "method": "split_plus",
-        "guard": "dissipative_9",
-        "points": 99,
-        "points_with_value": 99,
-        "median_amplitude_error_percent": 1.9,
-        "peak_error_percent": -2.9,
-        "peak_steps": 1.0,
+def test_bounds():
+    assert promises.within(10.0, 1.0).met(10.1) and not promises.within(10.0, 1.0).met(10.11)
+    assert promises.at_most(2.0).met(2.0) and not promises.below(2.0).met(2.0)
+    assert not any(bound.met(np.nan) for bound in (promises.at_most(2.0), promises.OMEGA_1))
+    assert not promises.within(np.nan, 1.0).met(1.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "kept"),
+    [
+        ([1.0, 1.01, 1.0, 1.0, 1.0], ["yes"] * 4),
+        ([1.0, 1.0, np.nan, 1.0, 1.0], ["no", "yes", "no", "no"]),  # a gap has no peak
+        ([1.029] * 5, ["yes", "no", "yes", "yes"]),
+        ([1.0, 1.0, 1.04, 1.0, 1.0], ["yes", "yes", "no", "yes"]),
+    ],
+)
+def test_guarded_response_curves_have_bounds_of_their_own(factor, kept):
+    answer = studies.robustness(0, 0, studies.TRUTH, 1.0)
+    answer = answer.assign_attrs(method="split_plus").assign_coords(guard=["none", "dissipative_9"])
+    answer["frc_amplitude"][1, 0] = studies.TRUTH * factor
+    loaders = {
+        Key("folding", "full_order", None, "frc"): studies.response_curve,
+        Key("folding", "split_plus", 0, "robustness"): lambda: answer,
     }
-    assert [row[-2] for row in checks.guarded(pd.DataFrame([good]))] == ["yes"] * 4
-    bad = {
-        "points_with_value": 98,
-        "median_amplitude_error_percent": 2.1,
-        "peak_error_percent": 3.1,
-        "peak_steps": 2.0,
-    }
-    for place, (name, value) in enumerate(bad.items()):
-        assert [row[-2] for row in checks.guarded(pd.DataFrame([good | {name: value}]))] == [
-            "no" if place == row else "yes" for row in range(4)
-        ]
-    missing = {
-        "median_amplitude_error_percent": np.nan,
-        "peak_error_percent": np.nan,
-        "peak_steps": np.nan,
-    }
-    assert [row[-2] for row in checks.guarded(pd.DataFrame([good | missing]))] == [
-        "yes",
-        "no",
-        "no",
-        "no",
-    ]
-    assert not list(
-        checks.guarded(pd.DataFrame([good | {"guard": "none"}, good | {"method": "ssmlearn"}]))
-    )
+    found = []
+    for promise in promises.of_method("folding", "split_plus", 398.0):
+        if promise.at[0] == "guards":
+            at = (promise.at, "folding", "split_plus")
+            value = checks.measured(*at, Collection(loaders), Scores([]))
+            found.append("yes" if promise.bound.met(value) else "no")
+            absent = checks.measured(promise.at, "folding", "ssmlearn", Collection(loaders), None)
+            assert absent is None
+    assert found == kept

@@ -1,18 +1,22 @@
-"""The report page and the headline: everything in one file, nothing fetched, no failure left out."""
+"""The report page and the headline: all in one file, nothing fetched, no failure left out."""
 
 from html.parser import HTMLParser
 from pathlib import Path
 
-import pandas as pd
+import numpy as np
 import pytest
+from small_run import PROVENANCE
 
-from vibrom.report import captions, names
+from vibrom.artefacts.outcome import Tally
+from vibrom.report import failures, outputs, tables
 from vibrom.report import headline as numbers
-from vibrom.steps import figures, headline, report, tables
+from vibrom.report.scores import Scores
+from vibrom.report.table import Table
+from vibrom.steps import headline, output, report, scores, tracking
 
-ROOT = Path(__file__).parents[2]
-CAPTIONS = ROOT / "workflow" / "report"
-SCENES = ["small", "large"]
+SCENES, EXPERIMENTS = ["small", "large"], ["decay", "backbone"]
+TABLES = outputs.tables("models", EXPERIMENTS)
+FIGURES = outputs.figures("models", SCENES)
 
 
 class Reader(HTMLParser):
@@ -22,7 +26,7 @@ class Reader(HTMLParser):
 
     def __init__(self, html):
         super().__init__()
-        self.open, self.ids, self.images, self.links, self.text = [], [], [], [], []
+        self.open, self.ids, self.images, self.links = [], [], [], []
         self.feed(html)
 
     def handle_starttag(self, tag, attrs):
@@ -36,40 +40,35 @@ class Reader(HTMLParser):
     def handle_endtag(self, tag):
         assert self.open and self.open.pop() == tag, f"</{tag}> closes nothing"
 
-    def handle_data(self, data):
-        self.text.append(data)
-
 
 @pytest.fixture(scope="module")
-def made(tree, tmp_path_factory):
+def made(small, tmp_path_factory):
+    """Tables, figures, scores, the page twice, the store and the headline, by their steps."""
     folder = tmp_path_factory.mktemp("out")
-    numbers = [
-        str(folder / "tables" / f"{name}.{form}")
-        for name in names.tables("models", "cost", "effects")
-        for form in names.TABLE_FORMATS
-    ]
-    pictures = [
-        str(folder / "figures" / f"{name}.svg")
-        for name in names.figures(SCENES, "models", "cost", "effects")
-    ]
-    common = {
-        "scores": tree.scores,
-        "provenance": {"source_digest": "feedbeef", "versions": '{"matplotlib": "3"}'},
-    }
-    tables.run(artefacts=tree.artefacts, tables=numbers, **common)
-    figures.run(artefacts=tree.artefacts, figures=pictures[:2], **common)
+    common = {"artefacts": small.paths, "provenance": PROVENANCE}
+    written = [str(folder / "tables" / f"{name}.csv") for name in TABLES]
+    output.run(kind="tables", outputs=written, **common)
+    pictures = [str(folder / "figures" / f"{name}.svg") for name in FIGURES]
+    output.run(kind="figures", outputs=pictures[:2], **common)
     for path in pictures[2:]:  # what is in a picture is tested elsewhere
         Path(path).write_text("<svg/>")
-    said = [str(CAPTIONS / name) for name in names.captions()]
-    everything = dict(artefacts=tree.artefacts, tables=numbers, figures=pictures, captions=said)
+    predictions = [path for path in small.paths if Path(path).stem in small.settings.experiments]
+    scores.run(predictions=predictions, scores=str(folder / "scores.csv"), provenance=PROVENANCE)
+    plugs = list(dict.fromkeys(drawing.plug for drawing in FIGURES.values()))
+    captions = outputs.captions({"tables": TABLES, "figures": plugs})
     for name in ("report.html", "again.html"):
-        report.run(report=str(folder / name), **everything, **common)
-    headline.run(
-        report=str(folder / "report.html"),
-        tables=numbers,
-        headline=str(folder / "headline.txt"),
-        **common,
-    )
+        report.run(
+            report=str(folder / name),
+            figures=pictures,
+            tables_shown=TABLES,
+            captions={key: [*caption] for key, caption in captions.items()},
+            **common,
+        )
+    store, artifacts = str(folder / "mlflow.db"), str(folder / "artifacts")
+    kept = {"scores": str(folder / "scores.csv"), "tables": written, "figures": pictures[:1]}
+    tracking.run(store=store, artifacts=artifacts, **kept, **common)
+    end = {"report": str(folder / "report.html"), "headline": str(folder / "headline.txt")}
+    headline.run(store=store, **end, **common)
     return folder
 
 
@@ -81,9 +80,7 @@ def page(made):
 def test_the_page_needs_nothing_else(page):
     reader = Reader(page)
     assert reader.open == []
-    assert (
-        "http" not in page and "url(" not in page and "<script" not in page and "<link" not in page
-    )
+    assert not any(text in page for text in ("http", "url(", "<script", "<link"))
     assert reader.images and all(source.startswith("data:image/") for source in reader.images)
     assert all(link.startswith("#") and link[1:] in reader.ids for link in reader.links)
 
@@ -91,21 +88,16 @@ def test_the_page_needs_nothing_else(page):
 def test_the_page_has_every_table_and_figure_once(page):
     ids = Reader(page).ids
     assert len(ids) == len(set(ids))
-    assert {f"table-{name}" for name in names.tables("models", "cost", "effects")} | {
-        f"figure-{name}" for name in names.figures(SCENES, "models", "effects")
-    } <= set(ids)
-    assert len(Reader(page).images) == len(names.figures(SCENES, "models", "cost", "effects"))
+    wanted = {f"table-{name}" for name in TABLES} | {f"figure-{name}" for name in FIGURES}
+    assert wanted <= set(ids) and "table-backbone" in ids
+    assert len(Reader(page).images) == len(FIGURES)
+    assert page.index('id="figure-accuracy_cost"') < page.index('id="tables"')  # at a glance
 
 
-def test_the_page_shows_the_hard_cases_and_what_made_it(page):
-    hard = page[page.index('id="hard"') :]
-    assert "diverged: 3 of 9 points" in hard and "Modal projection" in hard and "0.0471" in hard
-    assert (
-        "feedbeef" in page
-        and "0123456789abcdef" in page
-        and "matplotlib 3" in page
-        and "numpy 2.0" in page
-    )
+def test_the_page_shows_the_failures_and_what_made_it(page):
+    found = page[page.index('id="failures"') :]
+    assert "training_diverged: 9 of 18 points" in found and "SPLIT+" in found
+    assert "0123456789abcdef" in page and "numpy 2.0" in page
     assert "Schouten" in page and "Delft" in page
 
 
@@ -113,70 +105,99 @@ def test_the_page_is_the_same_twice(made):
     assert (made / "report.html").read_bytes() == (made / "again.html").read_bytes()
 
 
-def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, capsys):
+def test_scores_csv_is_what_the_artefacts_say(made, real):
+    lines = (made / "scores.csv").read_text().splitlines()
+    assert lines[0] == "scene,method,seed,experiment,metric,value,unit,seconds,outcome"
+    assert len(lines) == 1 + len(Scores.of(real).rows)
+    assert any(
+        line.startswith("small,modal_projection,unseeded,decay,nmte_percent,") for line in lines
+    )
+    assert any(line.startswith("small,split,1,frc,completed,9,1,") for line in lines)
+
+
+def test_the_store_has_a_run_for_each_model(made, small):
+    import sqlite3
+
+    with sqlite3.connect(made / "mlflow.db") as database:
+        runs = {name for (name,) in database.execute("select name from runs")}
+        tags = database.execute("select value from tags where key = 'artefacts'").fetchall()
+        ended = database.execute("select value from tags where key = 'outcome.decay'").fetchall()
+    assert {"summary", "small full_order", "large split seed_1"} <= runs
+    assert "small modal_projection unseeded" in runs and ("training_diverged",) in ended
+    homes = {Path(path).resolve() for (path,) in tags}
+    assert (small.results / "large/split/seed_1").resolve() in homes
+
+
+def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, real):
     text = (made / "headline.txt").read_text()
-    assert max(len(line) for line in text.splitlines() if "/" not in line) <= 100
+    assert max(len(line) for line in text.splitlines() if "/" not in line) <= numbers.WIDTH
+    scored = Scores.of(real)
     row = next(line for line in text.splitlines() if line.startswith("SPLIT "))
-    assert "3.00 (0.374)" in row and "3.00 (5.22)" in row
-    assert "diverged (17.3)" in text and "1000 x" not in row
-    assert "Checks    16 of 16 met" in text and "1 of 3 diverged" in text
-    assert str(made / "report.html") in text and "make ui" in text
+    for case, thesis in (("small", "0.374"), ("large", "5.22")):
+        median = scored.spread(case, "split", "decay", "nmte_percent").median
+        assert f"{numbers.number(median, 3)} ({thesis})" in row
+    assert "training diverged 1" in text or "1 of 2 training diverged" in text
+    assert "Checks " in text and str(made / "report.html") in text and "make ui" in text
 
 
-def test_the_headline_marks_failed_seeds_and_leaving_the_range(tmp_path):
-    outcomes = [
-        "left_range 2, diverged 1",
-        "left_range",
-        "ok 2, diverged 1",
-        "ok 2, left_range 1",
-        "ok",
-    ]
-    frame = pd.DataFrame(
+def table_of(outcomes, **changes):
+    """A table of errors of one method, a case an outcome."""
+    rows = [
         {
-            "case": ["small", "large", "folding", "a", "b"],
+            "case": case,
             "method": "split",
             "nmte_percent": 1.56,
             "thesis_percent": 70.6,
-            "thesis_outcome": None,
-            "outcome": outcomes,
+            "thesis_outcome": "",
+            "outcome": outcome,
+            **changes,
         }
-    )
-    assert list(numbers.errors(frame).iloc[0])[1:] == [
+        for case, outcome in zip(("small", "large", "folding", "a", "b"), outcomes)
+    ]
+    return Table("decay", (), rows, None)
+
+
+def test_the_headline_marks_failed_seeds_and_leaving_the_range():
+    left, bad, ok = "left_range", "diverged", "ok"
+    outcomes = [[left, left, bad], [left], [ok, ok, bad], [ok, ok, left], [ok]]
+    made = table_of(map(Tally, outcomes))
+    assert list(numbers.grid(made.rows, numbers.error).iloc[0])[1:] == [
         "1.56* (70.6) 1 of 3 diverged",
         "1.56* (70.6)",
         "1.56 (70.6) 1 of 3 diverged",
         "1.56 (70.6) 1 of 3*",
         "1.56 (70.6)",
     ]
-    worst = frame.assign(outcome="left_range 1, training_diverged 1, step_underflow 1")
-    text = numbers.text({"decay": frame, "forced": worst}, {})
+    lost = table_of([Tally([bad, bad, ok])], nmte_percent=np.nan, thesis_outcome="fails")
+    assert numbers.error(lost.rows[0]) == "diverged 2, ok 1 (fails)"
+    worst = table_of([Tally([left, "training_diverged", "step_underflow"])] * 5)
+    text = numbers.text({"decay": made, "forced": worst}, {})
     assert text.count("* outside the range of its training data") == 1
-    assert max(len(line) for line in text.splitlines()) <= 100
-    assert "outside" not in numbers.text({"decay": frame.iloc[4:]}, {})
+    assert max(len(line) for line in text.splitlines()) <= numbers.WIDTH
+    assert "outside" not in numbers.text({"decay": table_of([Tally([ok])])}, {})
 
 
-def test_every_table_and_figure_has_a_caption_for_both_reports():
-    for name in names.captions():
-        caption = captions.parse((CAPTIONS / name).read_text(encoding="utf-8"), name)
-        assert caption.title and caption.paragraphs, name
-        assert "{{" not in "".join(caption.paragraphs)
+def test_only_failures_are_in_the_table_of_failures(collection, scores):
+    lines = failures.build(collection, scores).printed.frame.set_index(["Case", "Model"])
+    assert list(lines.loc[[("small", "Full order")], "Evaluated"]) == ["without stop"]
+    modal = lines.loc[[("large", "Modal projection")]]
+    assert dict(zip(modal["Evaluated"], modal["When [s]"]))["forced"] == "0.0110"
+    assert "diverged: 3 of 9 points" in set(modal["Outcome"])
+    split = lines.loc[[("large", "SPLIT")]]
+    assert list(split[split["Outcome"] == "diverged"]["Seeds"]) == ["1"]
+    unfit = lines.loc[[("large", "SPLIT+")]]
+    whole = unfit[unfit["Outcome"] == "training_diverged"]["Evaluated"].iloc[0]
+    assert {"reconstruction", "decay", "backbone", "forced"} <= set(whole.split(", "))
 
 
-def test_a_file_without_a_caption_is_named():
-    with pytest.raises(ValueError, match="mine.rst"):
-        captions.parse("no title here", "mine.rst")
+def test_a_run_without_failures_has_none(collection, real):
+    good = [key for key in real.loaders if key.model == "modal_projection" and key.scene == "small"]
+    part = type(real)({key: real.loaders[key] for key in good})
+    assert not failures.build(part, Scores.of(part)).rows
 
 
-def test_only_failures_are_hard_cases(collection, scores):
-    from vibrom.report import hard_cases
-    from vibrom.report.scores import Scores
-
-    good = Scores(scores.frame.assign(outcome="ok"))
-    assert (
-        list(hard_cases.table(collection, good)["Asked for"]) == ["without stop"] * 2
-    )  # not elasticity, which cannot be left out
-    hard = hard_cases.table(collection, scores).set_index("Model").drop("Full order")
-    assert list(hard.index) == ["Modal projection", "SPLIT", "SPLIT+"]
-    assert list(hard["Outcome"]) == ["diverged", "diverged", "training_diverged"]
-    assert hard.loc["SPLIT", "Seeds"] == "1" and hard.loc["SPLIT", "Asked for"] == "forced"
-    assert hard.loc["SPLIT+", "Asked for"].startswith("reconstruction, decay, backbone, forced")
+def test_headline_checks_name_what_is_not_met(collection, scores):
+    made = tables.make("checks", collection, scores)
+    lines = numbers.checks([*made.rows, made.rows[0] | {"met": "no", "value": 2.0}])
+    assert lines[0].endswith(f"{len(made.rows)} of {len(made.rows) + 1} met")
+    assert lines[1].startswith("not met   small, ") and "2.00000" in lines[1]

@@ -1,68 +1,67 @@
 """How seeds become one number."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from vibrom.report.scores import COLUMNS, Scores, seed_label, spread, tally
+from vibrom.artefacts.outcome import Tally
+from vibrom.report.scores import Score, Scores, spread
+
+
+def rows(*errors, experiment="decay", outcomes=None):
+    """Of one method, by seed."""
+    words = outcomes or ["ok"] * len(errors)
+    return Scores(
+        Score(
+            "small", "split", seed, experiment, "nmte_percent", error, "percent", 0.1, Tally([word])
+        )
+        for seed, (error, word) in enumerate(zip(errors, words))
+    )
 
 
 def test_median_of_odd_and_even_numbers_of_seeds():
-    assert spread(np.array([3.0, 1.0, 8.0]), worst=True) == (3.0, 1.0, 8.0)
-    assert spread(np.array([2.0, 1.0]), worst=True) == (1.5, 1.0, 2.0)
+    assert spread([3.0, 1.0, 8.0], worst=True) == (3.0, 1.0, 8.0)
+    assert spread([2.0, 1.0], worst=True) == (1.5, 1.0, 2.0)
+    assert rows(3.0, 1.0, 8.0).spread("small", "split", "decay", "nmte_percent") == (3.0, 1.0, 8.0)
 
 
 def test_a_failed_seed_counts_as_infinitely_wrong():
-    median, low, high = spread(np.array([3.0, np.nan, 8.0]), worst=True)
-    assert (median, low) == (8.0, 3.0) and np.isnan(high)
+    for failed in (np.nan, np.inf):
+        median, low, high = spread([3.0, failed, 8.0], worst=True)
+        assert (median, low) == (8.0, 3.0) and np.isnan(high)
 
 
 def test_a_median_seed_that_failed_leaves_no_number():
-    median, low, high = spread(np.array([3.0, np.nan]), worst=True)
+    median, low, high = spread([3.0, np.nan], worst=True)
     assert np.isnan(median) and low == 3.0 and np.isnan(high)
-    assert all(np.isnan(spread(np.array([np.nan, np.inf]), worst=True)))
+    assert all(np.isnan(spread([np.nan, np.inf], worst=True)))
 
 
 def test_without_a_worst_side_failed_seeds_are_left_out_unless_they_are_half():
-    assert spread(np.array([3.0, np.nan, 8.0]), worst=False) == (5.5, 3.0, 8.0)
-    assert all(np.isnan(spread(np.array([3.0, np.nan]), worst=False)))
+    assert spread([3.0, np.nan, 8.0], worst=False) == (5.5, 3.0, 8.0)
+    assert all(np.isnan(spread([3.0, np.nan], worst=False)))
 
 
-def test_tally():
-    assert tally(["ok", "ok"]) == "ok"
-    assert tally(["ok", "diverged", "ok"]) == "ok 2, diverged 1"
-    assert tally(["diverged", "ok"]) == "ok 1, diverged 1"
-    assert tally(["diverged", "left_range", "diverged"]) == "diverged 2, left_range 1"
-    assert tally([]) == "not run"
-
-
-@pytest.mark.parametrize(
-    ("written", "label"),
-    [
-        (0, "seed_0"),
-        ("2", "seed_2"),
-        (1.0, "seed_1"),
-        ("seed_1", "seed_1"),
-        (-1, "unseeded"),
-        ("unseeded", "unseeded"),
-        (np.nan, "unseeded"),
-    ],
-)
-def test_seeds_are_read_however_they_are_written(written, label):
-    assert seed_label(written) == label
+def test_outcomes_of_seeds_are_counted():
+    scores = rows(1.0, np.nan, 2.0, outcomes=["ok", "diverged", "ok"])
+    assert str(scores.outcome("small", "split", "decay")) == "ok 2, diverged 1"
+    assert str(scores.outcome("small", "split", "forced")) == "not_run"
 
 
 def test_the_drawn_seed_is_the_middle_one_and_failed_seeds_come_last():
-    errors = enumerate((9.0, np.nan, 2.0))
-    rows = [
-        ("small", "split", seed, "decay", "nmte_percent", value, "percent", 0.1, "ok")
-        for seed, value in errors
-    ]
-    scores = Scores(pd.DataFrame(rows, columns=list(COLUMNS)))
-    assert scores.median_seed("small", "split", ["seed_0", "seed_1", "seed_2"]) == "seed_0"
-    assert scores.median_seed("small", "split", ["seed_0", "seed_2"]) == "seed_2"
+    scores = rows(9.0, np.nan, 2.0)
+    assert scores.median_seed("small", "split", [0, 1, 2]) == 0
+    assert scores.median_seed("small", "split", [0, 2]) == 2
 
 
-def test_scores_without_a_column_are_refused_by_name():
-    with pytest.raises(ValueError, match="no column outcome"):
-        Scores(pd.DataFrame({name: [] for name in COLUMNS if name != "outcome"}))
+def test_scores_are_those_of_the_artefacts(collection, scores):
+    answer = collection.find("small", "split", "frc", 1)
+    own = scores.of_experiment("small", "split", "frc")
+    assert [row.metric for row in own if row.seed == 1] == list(answer["score"].values)
+    assert scores.value("small", "split", 1, "frc", "completed") == 9.0
+    assert own[0].outcome.total() == 9  # of all points
+    assert not scores.of_experiment("small", "full_order", "frc")  # the truth has no error
+
+
+@pytest.mark.parametrize("worst", [True, False])
+def test_no_values_have_no_spread(worst):
+    assert all(np.isnan(spread([], worst=worst)))

@@ -1,109 +1,141 @@
-"""The side-by-side Runge-Kutta method against closed forms and SciPy's one-by-one one."""
+"""Explicit Runge-Kutta methods against closed forms and SciPy."""
+
+from dataclasses import replace
 
 import numpy as np
-from scipy.integrate import solve_ivp
+import pytest
+from scipy.integrate import RK45, solve_ivp
+from scipy.linalg import expm
+from vector_fields import (
+    DUFFING,
+    EXPLICIT,
+    FORCED,
+    OSCILLATOR,
+    equal_explicit_steps,
+    forced_from_rest,
+    solve,
+)
 
-from vibrom.solvers.reduced.dop853 import integrate
-
-WIDE = np.array([1e6, 1e6])
-
-
-def oscillator(t, y, run):
-    return np.stack([y[:, 1], -y[:, 0]], axis=1)
-
-
-def duffing(t, y, run):
-    return np.stack(
-        [y[:, 1], -y[:, 0] - y[:, 0] ** 3 - 0.1 * y[:, 1] + (0.5 + 0.1 * run) * np.sin(1.1 * t)],
-        axis=1,
-    )
-
-
-def solve(field, start, times, rtol=1e-9, atol=1e-12, **options):
-    settings = (
-        dict(first_step=np.array(0.05), reach=WIDE, limit=10 * WIDE, max_steps=100_000) | options
-    )
-    return integrate(field, start, times, rtol=rtol, atol=np.full(2, atol), **settings)
+from vibrom.latent.polynomial_kernel import polynomial_kernel
+from vibrom.solvers.reduced.explicit import Tableau
+from vibrom.solvers.reduced.field import VectorField
+from vibrom.solvers.reduced.steppers.dop853 import TABLEAU
 
 
-def test_oscillator_at_any_instant():
-    times = np.sort(np.random.default_rng(0).uniform(0, 50, (3, 400)), axis=1)
-    start = np.array([[1.0, 0.0], [0.0, 2.0], [-3.0, 1.0]])
-    result = solve(oscillator, start, times)
-    exact = np.stack(
+def dormand_prince_5():
+    """The method of order 5(4) of the same authors: five more numbers make its interpolant."""
+    weights, s = np.zeros((7, 7)), 6
+    weights[:s, : s - 1], weights[s, :s] = RK45.A, RK45.B
+    continued = np.array(
         [
-            start[:, :1] * np.cos(times) + start[:, 1:] * np.sin(times),
-            start[:, 1:] * np.cos(times) - start[:, :1] * np.sin(times),
-        ],
-        axis=-1,
+            -12715105075 / 11282082432,
+            0.0,
+            87487479700 / 32700410799,
+            -10690763975 / 1880347072,
+            701980252875 / 199316789632,
+            -1453857185 / 822651844,
+            69997945 / 29380423,
+        ]
     )
-    # Global error: the tolerance times the fifty radians, with a margin of ten; the interpolant is
-    # of order seven.
-    assert np.abs(result.samples - exact).max() < 1e-9 * 50 * 10
-    assert list(result.outcome) == ["ok"] * 3
+    nodes = np.append(RK45.C, 1.0)
+    return Tableau(weights, nodes, RK45.E.copy(), np.zeros(7), continued[None], 5)
 
 
-def test_error_falls_with_the_tolerance():
-    times, errors, steps = np.array([[20.0]]), [], []
-    for rtol in (1e-4, 1e-6, 1e-8, 1e-10):
-        result = solve(oscillator, np.array([[1.0, 0.0]]), times, rtol=rtol, atol=rtol)
-        errors.append(abs(result.samples[0, 0, 0] - np.cos(20.0)))
-        steps.append(result.steps)
-    # Order eight: error ~ steps^-8, so the slope of log error over log steps is about -8; the
-    # controller wastes some.
-    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    assert -12 < slope < -6.5
+def test_forced_oscillators_from_rest():
+    frequency, amplitude = np.linspace(0.5, 2.0, 21), np.linspace(0.1, 1.0, 21)
+    times = np.sort(np.random.default_rng(1).uniform(0, 60, (21, 300)), axis=1)
+    result = solve(EXPLICIT, FORCED, np.zeros((21, 2)), times, forcing=(amplitude, frequency))
+    exact = np.stack([forced_from_rest(t, w, a) for t, w, a in zip(times, frequency, amplitude)])
+    # Local errors of 1e-9 of an amplitude below 10 add up over sixty seconds, some 120 steps; the
+    # interpolant is of order seven.
+    assert np.abs(result.samples[..., 0] - exact).max() < 1e-9 * 10 * 120
+    assert result.outcome == ["ok"] * 21 and np.array_equal(result.ended_at, times[:, -1])
 
 
-def test_each_run_is_what_it_is_alone():
-    starts, times = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]), np.linspace(0, 30, 200)
-    together = solve(duffing, starts, np.repeat(times[None], 3, axis=0))
-    for index, start in enumerate(starts):
-        alone = solve(lambda t, y, run: duffing(t, y, np.array([index])), start[None], times[None])
-        # The same steps; matrix products of other sizes may round the last digit differently, and
-        # the motion carries that on.
-        np.testing.assert_allclose(together.samples[index], alone.samples[0], rtol=0, atol=1e-10)
-        peer = solve_ivp(
-            lambda t, y: duffing(t, y[None], np.array([index]))[0],
-            (0, 30),
-            start,
-            method="DOP853",
-            t_eval=times,
-            rtol=1e-11,
-            atol=1e-13,
+@pytest.mark.parametrize("r", range(1, 7))
+def test_linear_systems_of_any_dimension(r):
+    matrix = np.random.default_rng(r).standard_normal((r, r)) - 1.5 * np.eye(r)
+    start, times = np.random.default_rng(9).standard_normal((10, r)), np.linspace(0, 3, 7)
+    field = VectorField(polynomial_kernel(np.ones(r), np.eye(r, dtype=int), matrix))
+    result = solve(EXPLICIT, field, start, times[None].repeat(10, axis=0))
+    exact = np.stack([start @ expm(matrix * t).T for t in times], axis=1)
+    np.testing.assert_allclose(result.samples, exact, atol=1e-7 * np.abs(exact).max())
+
+
+def test_the_error_is_proportional_to_the_tolerance_and_of_order_eight_in_the_steps():
+    tolerances, errors, steps = 10.0 ** -np.arange(3.0, 12.0), [], []
+    for tolerance in tolerances:
+        result = solve(
+            EXPLICIT,
+            FORCED,
+            np.zeros((1, 2)),
+            np.array([[60.0]]),
+            tolerance,
+            tolerance,
+            forcing=(np.ones(1), np.ones(1)),
         )
-        np.testing.assert_allclose(together.samples[index], peer.y.T, atol=1e-6)
+        errors.append(abs(result.samples[0, 0, 0] - forced_from_rest(60.0, 1.0, 1.0)))
+        steps.append(result.steps[0])
+    errors, steps = np.array(errors), np.array(steps)
+    # Signs of local errors cancel more or less at one instant: a tolerance may miss the line by ten
+    # times, the line over eight decades less.
+    assert -9.5 < np.polyfit(np.log(steps[1:]), np.log(errors[1:]), 1)[0] < -6.5
+    assert 0.8 < np.polyfit(np.log(tolerances), np.log(errors), 1)[0] < 1.2
+    assert (errors < 100 * tolerances).all()
 
 
-def test_a_blow_up_ends_one_run_and_no_other():
-    def field(t, y, run):
-        return np.where(run[:, None] == 0, y**2, -y)
+@pytest.mark.parametrize(
+    ("tableau", "order", "between", "shortest"),
+    [(TABLEAU, 8, 7, 0.2), (dormand_prince_5(), 5, 4, 0.06)],
+    ids=["dormand_prince_8", "dormand_prince_5"],
+)
+def test_another_method_is_another_tableau(tableau, order, between, shortest):
+    """One step of length h misses the end by h^(order + 1), and the motion between, by an
+    interpolant of order q, by h^(q + 1).
+    """
+    lengths, errors = shortest * np.array([1.0, 1.5, 2.0]), []
+    for h in lengths:
+        times = np.linspace(0.0, h, 21)
+        one = equal_explicit_steps(tableau, 1)
+        result = solve(one, OSCILLATOR, np.array([[1.0, 0.0]]), times[None], 1.0, 1.0)
+        assert result.steps[0] == 1
+        error = np.hypot(*(result.samples[0] - np.stack([np.cos(times), -np.sin(times)], axis=1)).T)
+        errors.append([error[-1], error.max()])
+    end, inside = np.polyfit(np.log(lengths), np.log(errors), 1)[0]
+    assert abs(end - (order + 1)) < 0.1 and abs(inside - (between + 1)) < 0.1
 
-    result = solve(
-        field,
-        np.array([[1.0, 1.0], [1.0, 1.0]]),
-        np.linspace(0, 2, 50)[None].repeat(2, axis=0),
-        reach=np.full(2, 5.0),
-        limit=np.full(2, 50.0),
+
+def test_agrees_with_scipy_on_a_nonlinear_field():
+    start, times = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, -1.0]]), np.linspace(0, 30, 200)
+    amplitude, frequency = np.array([0.5, 0.6, 0.7]), np.full(3, 1.1)
+    ours = solve(
+        EXPLICIT, DUFFING, start, times[None].repeat(3, axis=0), forcing=(amplitude, frequency)
     )
-    # dy/dt = y^2 from 1 is 1/(1 - t): 5 at t = 0.8, 50 at t = 0.98.
-    assert list(result.outcome) == ["diverged", "ok"]
-    assert 0.8 <= result.left_at[0] <= 1.0 and 0.98 <= result.ended_at[0] <= 1.0
-    assert np.isfinite(result.last).all() and np.isnan(result.samples[0, -1]).all()
-    np.testing.assert_allclose(result.samples[1, :, 0], np.exp(-np.linspace(0, 2, 50)), rtol=1e-8)
+    for k in range(3):
+
+        def duffing(t, y, k=k):
+            push = amplitude[k] * np.sin(frequency[k] * t)
+            return [y[1], -y[0] - y[0] ** 3 - 0.1 * y[1] + push]
+
+        peer = solve_ivp(
+            duffing, (0, 30), start[k], method="DOP853", t_eval=times, rtol=1e-9, atol=1e-12
+        )
+        # Both within the tolerance of each step, which the motion remembers for twenty seconds.
+        np.testing.assert_allclose(ours.samples[k], peer.y.T, atol=1e-7)
 
 
-def test_a_step_that_vanishes_is_an_outcome():
-    def field(t, y, run):
-        return np.where(t[:, None] < 0.5, 1.0, np.nan) * np.ones_like(y)
-
-    result = solve(field, np.array([[0.0, 0.0]]), np.array([[0.1, 1.0]]))
-    assert result.outcome[0] == "step_underflow"
-    # A step may end a shade before the wall, never beyond it.
-    assert 0.49 < result.ended_at[0] <= 0.5
-    assert np.isfinite(result.last).all()
-
-
-def test_a_run_that_crawls_is_stopped():
-    result = solve(oscillator, np.array([[1.0, 0.0]]), np.array([[1000.0]]), max_steps=20)
-    assert result.outcome[0] == "step_underflow"
+def test_takes_the_steps_of_scipy():
+    """From the same first step: the method, its estimate and its control are the same."""
+    first = replace(EXPLICIT, plan=lambda end: (np.full(1, 0.05), np.full(1, 1000)))
+    ours = solve(first, OSCILLATOR, np.array([[1.0, 0.5]]), np.array([[30.0]]))
+    peer = solve_ivp(
+        lambda t, y: [y[1], -y[0]],
+        (0, 30),
+        [1.0, 0.5],
+        method="DOP853",
+        rtol=1e-9,
+        atol=1e-12,
+        first_step=0.05,
+    )
+    assert ours.steps[0] == len(peer.t) - 1
+    np.testing.assert_allclose(ours.last[0], peer.y[:, -1], rtol=0, atol=1e-13)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from oscillators import DAMPING, OMEGA, linear_rom
+from vibrom.studies.grid import KINDS, SAMPLES, cases, let_go, rises, survive
 
 from vibrom.models.rollout import Integrator
-from vibrom.studies.grid import KINDS, SAMPLES, cases, let_go, rises, survive
 
 CHOSEN = cases([0.5, 1.0], np.linspace(0.7, 1.3, 5), 6, 1.3)
 

@@ -8,6 +8,7 @@ sent.
 import numpy as np
 import pytest
 from scenes import CANTILEVER, THESIS
+from vibrom.studies.grid import cases, let_go, rises, survive
 
 from vibrom import effects
 from vibrom.artefacts.data import FINISHED
@@ -19,7 +20,6 @@ from vibrom.models.rom import Guards
 from vibrom.models.training import Structure, Training, Trajectory
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
-from vibrom.studies.grid import cases, let_go, rises, survive
 
 FORCING, RELEASE, STEPS = 6000.0, (3000.0, 13376), 1000  # as in config/scenes/folding.yaml
 HARD = cases([1.0, 1.5, 2.0], np.linspace(0.8, 1.2, 9), 8, 1.3)

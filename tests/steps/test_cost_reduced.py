@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
+from vibrom.steps.cost_reduced import ERRORS, Row, Study, as_dataset
 
 from vibrom.models.rollout import Integrator
-from vibrom.steps.cost_reduced import ERRORS, Row, Study, as_dataset
 
 
 @pytest.fixture

@@ -22,4 +22,4 @@ def test_a_torn_checkpoint_is_none(tmp_path):
     ):
         path.write_bytes(torn)
         monitor = FileMonitor(str(path), "fit")
-        assert monitor.restore() is None and monitor.seconds["mapping"] == 0.0
+        assert monitor.restore() is None and monitor.spent("total") == 0.0

@@ -19,9 +19,8 @@ PROMISED = [
     "zero time step",
     "repeated seeds",
 ]
-# What Snakemake itself says before it reads the Snakefile, and when a file is laid over the
-# configuration.
-CHATTER = ("Using workflow specific profile", "Config file ")
+# What Snakemake itself says before it reads the Snakefile.
+CHATTER = ("Using workflow specific profile",)
 
 
 @pytest.fixture(scope="module")
@@ -44,25 +43,40 @@ def answers(tmp_path_factory):
 @pytest.mark.parametrize("case", PROMISED)
 def test_command_ends_with_one_line(answers, case):
     answer, finished = answers[case]
-    lines = [
-        line
-        for line in (answer.stdout + answer.stderr).splitlines()
-        if line.strip() and not line.startswith(CHATTER)
-    ]
+    lines = answer_lines(answer)
     assert answer.returncode != 0 and len(lines) == 1 and lines[0].startswith("vibrom: ")
     for words in (BAD[case][0], *BAD[case][3]):
         assert words in lines[0]
     assert finished == b"finished"
 
 
-def test_broken_yaml_in_the_main_file(project):
-    (project / "config/config.yaml").write_text("scenes: [small\n")
+def answer_lines(answer) -> list[str]:
+    printed = (answer.stdout + answer.stderr).splitlines()
+    return [line for line in printed if line.strip() and not line.startswith(CHATTER)]
+
+
+@pytest.mark.parametrize(
+    "content, says",
+    [
+        (b"scenes: [small\n", "line 2 is not YAML (did not find expected ',' or ']'); correct it"),
+        (b"results: caf\xe9\n", "file is not UTF-8 text; save it as UTF-8"),
+    ],
+)
+def test_a_broken_main_file(project, content, says):
+    (project / "config/config.yaml").write_bytes(content)
     answer = command(project, "-n")
-    lines = [
-        line
-        for line in (answer.stdout + answer.stderr).splitlines()
-        if not line.startswith(CHATTER)
-    ]
-    assert answer.returncode != 0 and lines == [
-        "vibrom: config/config.yaml: line 2 is not YAML (did not find expected ',' or ']'); correct it"
-    ]
+    assert answer.returncode != 0
+    assert answer_lines(answer) == [f"vibrom: config/config.yaml: {says}"]
+
+
+def test_the_command_line_is_blamed_for_its_values(project):
+    answer = command(project, "-n", "--config", "integrator={rtol: tight}")
+    (line,) = answer_lines(answer)
+    assert answer.returncode != 0
+    assert line.startswith("vibrom: --config: integrator.rtol = 'tight' must be a number")
+
+
+def test_a_workflow_runs_its_own_package_or_none(project):
+    (project / "src/vibrom").mkdir(parents=True)
+    (line,) = answer_lines(command(project, "-n"))
+    assert line.startswith("vibrom: ") and "and not this checkout's" in line

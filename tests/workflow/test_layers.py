@@ -13,7 +13,7 @@ def test_import_contracts(root):
 
 def test_planning_loads_no_numerical_package():
     code = (
-        "import sys; from vibrom.artefacts import provenance; from vibrom.config import settings, plugs, files; from vibrom.report import names; "
+        "import sys; from vibrom.artefacts import provenance; from vibrom.config import settings, plugs, files; from vibrom.report import outputs; "
         "print(*{'numpy', 'scipy', 'torch', 'xarray', 'skfem', 'numba', 'mlflow', 'pandas'} & set(sys.modules))"
     )
     loaded = subprocess.run(

@@ -8,10 +8,13 @@ import sys
 import pytest
 
 from vibrom.artefacts import provenance
-from vibrom.config import plugs
+from vibrom.config import plugs, source
 
 CACHED = [
-    plugs.tree,
+    source.tree,
+    plugs.names,
+    plugs.names_of,
+    plugs.class_of,
     provenance._store,
     provenance._read,
     provenance.imports,
@@ -25,8 +28,8 @@ CACHED = [
 def package(tmp_path, monkeypatch):
     """A copy of the package to edit."""
     copy = tmp_path / "vibrom"
-    shutil.copytree(plugs.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(plugs, "PACKAGE", copy)
+    shutil.copytree(source.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(source, "PACKAGE", copy)
     yield copy
     monkeypatch.undo()
     forget()
@@ -45,12 +48,13 @@ def digests() -> dict[str, str]:
         for name in plugs.names("methods")
     }
     found |= {
-        f"ask {name}": provenance.digest("vibrom.steps.experiment", f"vibrom.experiments.{name}")
+        f"ask {name}": provenance.digest("vibrom.steps.ask", f"vibrom.experiments.{name}")
         for name in plugs.names("experiments")
     }
+    found["table"] = provenance.digest("vibrom.steps.output", "vibrom.report.tables.decay")
     return found | {
         name: provenance.digest(f"vibrom.steps.{name}")
-        for name in ("structure", "scores", "tables", "tracking")
+        for name in ("structure", "scores", "tracking")
     }
 
 
@@ -78,7 +82,9 @@ def test_comments_docstrings_and_layout_change_nothing(package):
 
 def test_editing_a_method_touches_only_its_fit(package):
     before = digests()
-    rewrite(package / "methods/ssmlearn.py", "order_dynamics: int = 3", "order_dynamics: int = 5")
+    rewrite(
+        package / "methods/ssmlearn.py", "order_dynamics: Count = 3", "order_dynamics: Count = 5"
+    )
     assert changed(before) == {"fit ssmlearn"}
 
 
@@ -132,7 +138,15 @@ def test_versions_are_those_of_the_packages_behind():
 def test_published_numbers_remake_tables_and_no_model(package):
     before = digests()
     rewrite(package / "thesis/tables/decay.csv", "0.99619", "0.99618")
-    assert changed(before) == {"tables"}
+    assert changed(before) == {"table"}
+
+
+def test_how_the_configuration_is_read_makes_nothing_again(package):
+    """What a step gets is in its parameters."""
+    before = digests()
+    for name in ("check", "files", "layers", "reading", "settings", "sweeps"):
+        (package / f"config/{name}.py").open("a").write("\nEXTRA = 1\n")
+    assert changed(before) <= {"table"}
 
 
 def test_what_editors_and_compilers_leave_changes_nothing(package):
@@ -152,7 +166,10 @@ def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monk
     """Three processes: one that parses, one that finds what the first read, one after an edit that
     keeps the file's length.
     """
-    code = "from vibrom.artefacts import provenance; print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    code = (
+        "from vibrom.artefacts import provenance; "
+        "print(provenance.digest('vibrom.methods.ssmlearn'), provenance.tree.cache_info().misses)"
+    )
     monkeypatch.setenv("PYTHONPATH", str(package.parent))
 
     def process() -> list[str]:
@@ -162,6 +179,8 @@ def test_what_earlier_processes_read_is_not_believed_after_an_edit(package, monk
 
     (first, parsed), (second, again) = process(), process()
     assert int(parsed) > 5 and int(again) == 0 and first == second
-    rewrite(package / "methods/ssmlearn.py", "order_dynamics: int = 3", "order_dynamics: int = 5")
+    rewrite(
+        package / "methods/ssmlearn.py", "order_dynamics: Count = 3", "order_dynamics: Count = 5"
+    )
     third, once = process()
     assert third != first and int(once) == 1

@@ -6,6 +6,7 @@ import sys
 import types
 
 import pytest
+from project_copy import ROOT
 
 from vibrom.artefacts.data import DataError
 
@@ -23,6 +24,7 @@ def job(tmp_path, step, **params):
         log=[str(tmp_path / "log")],
         rule="rule",
         threads=1,
+        scriptdir=str(ROOT / "workflow/scripts"),
     )
 
 
@@ -98,6 +100,17 @@ def test_a_bug_keeps_its_traceback(run, capfd):
         run(fail(ZeroDivisionError("bug")))
     assert stopped.value.code == 1
     assert "Traceback" in capfd.readouterr().err
+
+
+def test_another_checkouts_package_is_not_run(run, tmp_path, capfd, monkeypatch):
+    """Where a workflow has a src/vibrom beside it, that one runs or none."""
+    (tmp_path / "src/vibrom").mkdir(parents=True)
+    monkeypatch.setattr(sys.modules[__name__], "ROOT", tmp_path)
+    with pytest.raises(SystemExit):
+        run(lambda **given: pytest.fail("ran"))
+    printed = capfd.readouterr().err.strip()
+    assert "would run, and not this checkout's" in printed and "\n" not in printed
+    assert printed.endswith("(see README.md)") and str(tmp_path / "src/vibrom") in printed
 
 
 def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):

@@ -1,72 +1,73 @@
-# Tables and figures, each family from its own artefacts: what the models are asked, what accuracy costs, what effects are worth, hard cases.
+# Tables and figures, each family from its own artefacts.
 #
 #   snakemake --cores 2 tables          all of them (or: figures)
-#   snakemake --cores 2 cost            one family (or: effects, stability)
-OF_FULL_ORDER = [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
-    for scene in COST_SCENES
-    for name in FULL_ORDER_NAMES
-]
-OF_METHODS = [
-    f"<results>/{'/'.join(model)}/rom.nc" for model in MODELS if model[0] in COST_SCENES
-]  # which gives them their looks
-FILES = {
-    "models": list(
-        dict.fromkeys(ARTEFACTS + HARD_FILES)
-    ),  # what guards promise is among the checks
-    "cost": COST_ARTEFACTS + OF_FULL_ORDER + OF_METHODS,
-    "effects": EFFECTS_FILES,
-    "stability": HARD_FILES,
-}
+#   snakemake --cores 2 cost            one family (or: ablation, robustness)
 
-for FAMILY in FILES:
-    SCORES = {"scores": rules.scores.output.scores} if FAMILY == "models" else {}
 
-    rule:
-        name:
-            f"{FAMILY}_tables"
-        input:
-            **SCORES,
-            artefacts=FILES[FAMILY],
-        output:
-            tables=in_report(table_files(FAMILY)),
-        log:
-            f"<logs>/{FAMILY}_tables.log",
-        params:
-            step="tables",
-            provenance=code("tables"),
-        message:
-            f"tables of {FAMILY}"
-        script:
-            "../scripts/step.py"
+def in_report(kind, family):
+    """The outputs of a family: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
+    return [
+        shown(kind, family, path) if Path(path).suffix in (".html", ".svg") else path
+        for path in files(kind, [family])
+    ]
 
-    rule:
-        name:
-            f"{FAMILY}_figures"
-        input:
-            **SCORES,
-            artefacts=FILES[FAMILY],
-        output:
-            figures=in_report(figure_files(FAMILY)),
-        log:
-            f"<logs>/{FAMILY}_figures.log",
-        benchmark:
-            f"<benchmarks>/{FAMILY}_figures.tsv"
-        params:
-            step="figures",
-            provenance=code("figures"),
-        message:
-            f"figures of {FAMILY}"
-        script:
-            "../scripts/step.py"
+
+def shown(kind, family, path):
+    name = Path(path).stem
+    plug = name if kind == "tables" else FIGURES[family][name].plug
+    return report(
+        path,
+        caption=caption_file(kind, plug),
+        category=kind.capitalize(),
+        labels={kind[:-1]: name.replace("_", " ")},
+    )
+
+
+def caption_file(kind, plug):
+    """Snakemake takes captions from files: written where it keeps its own."""
+    path, text = (
+        Path(".snakemake/captions", kind, f"{plug}.rst").absolute(),
+        outputs.caption(kind, plug).rst,
+    )
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+for FAMILY in PRESENT:
+    for KIND in MADE:
+        if not MADE[KIND][FAMILY]:
+            continue
+
+        rule:
+            name:
+                f"{FAMILY}_{KIND}"
+            input:
+                artefacts=FAMILIES[FAMILY].artefacts,
+            output:
+                outputs=in_report(KIND, FAMILY),
+            log:
+                f"<logs>/{FAMILY}_{KIND}.log",
+            benchmark:
+                f"<benchmarks>/{FAMILY}_{KIND}.tsv"
+            params:
+                step="output",
+                kind=KIND,
+                provenance=code("output", f"report.{KIND}", *modules(KIND, [FAMILY])),
+            message:
+                f"{KIND} of {FAMILY}"
+            script:
+                "../scripts/step.py"
 
 
 for TARGET, PATHS in {
-    "tables": table_files(),
-    "figures": figure_files(),
+    "tables": files("tables"),
+    "figures": files("figures"),
     **{
-        FAMILY: table_files(FAMILY) + figure_files(FAMILY)
-        for FAMILY in ("cost", "effects", "stability")
+        FAMILY: files("tables", [FAMILY]) + files("figures", [FAMILY])
+        for FAMILY in PRESENT
+        if FAMILY != "models"
     },
 }.items():
 

@@ -10,8 +10,8 @@ def scene_part(*keys):
 
 
 def scene_modules(wildcards):
-    """The modules of the scene's effects."""
-    return [f"effects.{effect}" for effect in SCENES[wildcards.scene]["effects"]]
+    """The modules of the scene's body and effects."""
+    return SETTINGS.modules_of(wildcards.scene)
 
 
 def full_order_code(step):

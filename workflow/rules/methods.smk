@@ -18,7 +18,7 @@ def start_input(method):
 
 
 def checkpoint(method):
-    """Where an interrupted training goes on from; another scene, setting or code begins anew, in its own file."""
+    """Where an interrupted training resumes; another scene, setting or code starts again, in its own file."""
 
     def path(wildcards, output):
         recipe = (
@@ -30,6 +30,22 @@ def checkpoint(method):
         return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
 
     return path
+
+
+def recipe(method):
+    """Which method learns what, and how."""
+
+    def fields(wildcards):
+        return {
+            "scene": wildcards.scene,
+            "method": method,
+            "kind": SETTINGS.kind_of(method),
+            "settings": METHODS[method]["settings"],
+            "seed": seed_of(wildcards),
+            "device": SETTINGS.device,
+        }
+
+    return fields
 
 
 for METHOD, BLOCK in METHODS.items():
@@ -59,12 +75,7 @@ for METHOD, BLOCK in METHODS.items():
             **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
         params:
             step="fit",
-            scene_name="{scene}",
-            method=METHOD,
-            kind=SETTINGS.kind_of(METHOD),
-            settings=BLOCK["settings"],
-            seed=seed_of,
-            device=SETTINGS.device,
+            recipe=recipe(METHOD),
             checkpoint=checkpoint(METHOD),
             provenance=code("fit", f"methods.{SETTINGS.kind_of(METHOD)}"),
         message:

@@ -1,7 +1,8 @@
-# From the artefacts of all models to scores, tables, figures, the report and MLflow.
-from vibrom.report import names as shown_names
+# From the artefacts of all models to scores, the report and MLflow.
+# Tables and figures are files in src/vibrom/report/tables and figures; their constants say what the workflow must know.
+from typing import NamedTuple
 
-CAPTIONS = ROOT / "workflow/report"
+from vibrom.report import outputs
 
 # Every model of the run as (scene, method, seed folder).
 MODELS = [
@@ -10,76 +11,90 @@ MODELS = [
     for method in METHODS
     for seed in SETTINGS.seed_folders(method)
 ]
-PREDICTIONS = [
-    f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in SETTINGS.experiments
-] + [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
-    for scene in SCENES
-    for name in SETTINGS.experiments
-    if EXPERIMENTS[name].get("full_order") is not None
-]
-FITTED = [
-    f"<results>/{'/'.join(model)}/{name}.nc" for model in MODELS for name in ("rom", "losses")
-]
-FULL_ORDER_FILES = [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
-    for scene in SCENES
-    for name in FULL_ORDER_NAMES
-]
-ARTEFACTS = FULL_ORDER_FILES + FITTED + PREDICTIONS
-EFFECTS_FILES = [f"<results>/{scene}/{settings.FULL_ORDER}/effects.nc" for scene in SCENES]
-HARD = SETTINGS.stability["scenes"]
-HARD_FILES = [
-    f"<results>/{'/'.join(model)}/stability.nc" for model in MODELS if model[0] in HARD
-] + [
-    f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc"
-    for scene in HARD
-    for name in ("stability", "frc")
-]
-
-# Which scenes each family of tables and figures is about; a family without scenes has none.
-ASKED = {"models": list(SCENES), "cost": COST_SCENES, "effects": list(SCENES), "stability": HARD}
 
 
-def asked(families):
-    return [family for family in families or ASKED if ASKED[family]]
-
-
-def table_files(*families):
-    """The tables of these families, in all their formats; of all, where none is named."""
+def of_full_order(scenes, names):
     return [
-        f"<results>/tables/{name}.{form}"
-        for family in asked(families)
-        for name in shown_names.tables(family)
-        for form in shown_names.TABLE_FORMATS
+        f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in scenes for name in names
     ]
 
 
-def figure_files(*families):
+def of_models(scenes, names):
     return [
-        f"<results>/figures/{name}.{form}"
-        for family in asked(families)
-        for name in shown_names.figures(ASKED[family], family)
-        for form in shown_names.FIGURE_FORMATS
+        f"<results>/{'/'.join(model)}/{name}.nc"
+        for model in MODELS
+        if model[0] in scenes
+        for name in names
     ]
 
 
-def in_report(paths):
-    """The same as outputs: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
+ASKED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
+PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, ASKED)
+FITTED = of_models(SCENES, ("rom", "losses"))
+ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 
-    def flagged(path):
-        kind, name, form = Path(path).parent.name, Path(path).stem, Path(path).suffix
-        if form not in (".html", ".svg"):
-            return path
-        caption = name if kind == "tables" else shown_names.split(name)[0]
-        return report(
-            path,
-            caption=f"../report/{kind}/{caption}.rst",
-            category=kind.capitalize(),
-            labels={kind[:-1]: name.replace("_", " ")},
-        )
 
-    return [flagged(path) for path in paths]
+def studied(study):
+    """The scenes of this run that a study is about."""
+    block = SETTINGS.studies.get(study)
+    return [] if block is None else [name for name in block.get("scenes", SCENES) if name in SCENES]
+
+
+COST_NAMES = [*FULL_ORDER_NAMES, "cost_full_order", "cost_reduced"]
+ROBUSTNESS = of_full_order(studied("robustness"), ["frc", "robustness"])
+ROBUSTNESS += of_models(studied("robustness"), ["robustness"])
+
+
+class Family(NamedTuple):
+    """Tables and figures that are made from one set of artefacts."""
+
+    scenes: list  # a family without scenes has no tables and figures
+    artefacts: list
+
+
+FAMILIES = {
+    # What guards promise is among the checks.
+    "models": Family(list(SCENES), ARTEFACTS + ROBUSTNESS),
+    "cost": Family(studied("cost"), of_full_order(studied("cost"), COST_NAMES)),
+    "ablation": Family(studied("ablation"), of_full_order(studied("ablation"), ["ablation"])),
+    "robustness": Family(studied("robustness"), ROBUSTNESS),
+}
+for NAME in outputs.families():
+    if NAME not in FAMILIES:
+        sys.exit(f"vibrom: FAMILY {NAME!r} of a table or figure: choose from {', '.join(FAMILIES)}")
+PRESENT = [name for name, family in FAMILIES.items() if family.scenes]
+TABLES = {name: outputs.tables(name, SETTINGS.experiments) for name in PRESENT}
+FIGURES = {name: outputs.figures(name, FAMILIES[name].scenes) for name in PRESENT}
+MADE = {"tables": TABLES, "figures": FIGURES}
+
+
+def files(kind, families=PRESENT, forms=None):
+    """The tables or figures of these families, in these formats or in all."""
+    return [
+        f"<results>/{kind}/{name}.{form}"
+        for family in families
+        for name in MADE[kind].get(family, ())
+        for form in forms or outputs.FORMATS[kind]
+    ]
+
+
+def modules(kind, families=PRESENT):
+    """The code behind them."""
+    return [module for family in families for module in outputs.modules(kind, family)]
+
+
+def all_artefacts():
+    """Of all families, each once."""
+    return list(dict.fromkeys(path for name in PRESENT for path in FAMILIES[name].artefacts))
+
+
+def plugs_shown(kind):
+    """The tables by name, the figures by the file that draws them."""
+    if kind == "tables":
+        return [name for names in TABLES.values() for name in names]
+    return list(
+        dict.fromkeys(drawing.plug for names in FIGURES.values() for drawing in names.values())
+    )
 
 
 rule scores:
@@ -99,17 +114,16 @@ rule scores:
 
 rule report:
     input:
-        scores=rules.scores.output.scores,
-        artefacts=ARTEFACTS + COST_ARTEFACTS + EFFECTS_FILES,
-        tables=table_files(),
-        figures=figure_files(),
-        captions=[f"{CAPTIONS}/{name}" for name in shown_names.captions()],
+        artefacts=all_artefacts(),
+        figures=files("figures", forms=("svg", "png")),
     output:
         report="<results>/report.html",
     log:
         "<logs>/report.log",
     params:
-        provenance=code("report"),
+        tables_shown=plugs_shown("tables"),
+        captions=outputs.captions({kind: plugs_shown(kind) for kind in MADE}),
+        provenance=code("report", *modules("tables")),
     message:
         "report"
     script:
@@ -118,10 +132,10 @@ rule report:
 
 rule tracking:
     input:
+        artefacts=FITTED + PREDICTIONS,
         scores=rules.scores.output.scores,
-        fitted=FITTED,
-        tables=table_files(),
-        figures=figure_files(),
+        tables=files("tables"),
+        figures=files("figures"),
     output:
         store="<results>/mlflow.db",
         artifacts=directory("<results>/mlflow_artifacts"),
@@ -139,17 +153,16 @@ rule tracking:
 
 rule headline:
     input:
-        # Last of all: what it prints is the end of the run.
-        rules.tracking.output.store,
-        scores=rules.scores.output.scores,
+        artefacts=FAMILIES["models"].artefacts,
         report=rules.report.output.report,
-        tables=table_files(),
+        # Last of all: what it prints is the end of the run.
+        store=rules.tracking.output.store,
     output:
         headline="<results>/headline.txt",
     log:
         "<logs>/headline.log",
     params:
-        provenance=code("headline"),
+        provenance=code("headline", *modules("tables", ["models"])),
     message:
         "headline numbers"
     script:

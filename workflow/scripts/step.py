@@ -11,6 +11,11 @@ import importlib
 import os
 import sys
 import traceback
+from pathlib import Path
+
+
+class Foreign(RuntimeError):
+    """The package of another checkout would run."""
 
 
 class Tee:
@@ -48,7 +53,7 @@ def arguments(job):
 
 def complaint(error):
     """The one line for an error that is not a bug, or None."""
-    if type(error).__module__.split(".")[0] == "vibrom":
+    if isinstance(error, Foreign) or type(error).__module__.split(".")[0] == "vibrom":
         return " ".join(str(error).split())
     for cause in (error, error.__cause__, error.__context__):
         if isinstance(cause, OSError) and cause.errno in (errno.ENOSPC, errno.EDQUOT):
@@ -80,7 +85,20 @@ def main(job):
         sys.exit(f"vibrom: {complaint(error) or error}")
 
 
+def check_own(job):
+    """Raise where the vibrom that runs is not the one beside this workflow."""
+    import vibrom
+
+    own, running = Path(job.scriptdir).parents[1] / "src/vibrom", Path(vibrom.__file__).parent
+    if own.is_dir() and not own.samefile(running):
+        raise Foreign(
+            f"{running} would run, and not this checkout's {own}; activate the environment of this "
+            "checkout, or make one (see README.md)"
+        )
+
+
 def run(job):
+    check_own(job)
     given = arguments(job)
     step = importlib.import_module(f"vibrom.steps.{given.pop('step', job.rule)}")
     if "provenance" in given:

@@ -35,6 +35,8 @@ class Outcome(StrEnum):
     STATIC = "static", True, Severity.NOTE, "at rest: no mass is left that could move"
     UNFORCED = "unforced", True, Severity.NOTE, "no load is left"
     NO_MODES = "no_modes", True, Severity.NOTE, "no stiffness is left, so that it has no modes"
+    UNFINISHED = "unfinished", True, Severity.NOTE, "the points ran out before the branch ended"
+    LOST = "lost", True, Severity.FAILURE, "the branch could not be followed further"
     DIVERGED = "diverged", False, Severity.FAILURE, "diverged"
     STEP_UNDERFLOW = "step_underflow", False, Severity.FAILURE, "the time step became too small"
     NO_CONVERGENCE = "no_convergence", False, Severity.FAILURE, "an implicit step did not converge"

@@ -14,13 +14,14 @@ import hashlib
 import json
 import os
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from vibrom.config import plugs
-from vibrom.config.plugs import is_module, is_package, parse, tree
+from vibrom.config import source
+from vibrom.config.source import is_module, is_package, parse, tree
 
 DISTRIBUTION = {"skfem": "scikit-fem", "yaml": "PyYAML", "sklearn": "scikit-learn"}
 CARRIERS = frozenset({"xarray", "netCDF4", "yaml", "mlflow", "rich", "vibrom"})
@@ -33,14 +34,14 @@ def _stamp(path: Path) -> list[int]:
 
 @cache
 def _store() -> dict[str, dict]:
-    """What earlier processes read of each module: parsing all of them anew takes longer than the
+    """What earlier processes read of each module: parsing all of them again takes longer than the
     rest of this file's work.
 
     Kept beside the bytecode, for as long as this code and that file stay as they are.
     """
     path, code = (
-        plugs.PACKAGE / "__pycache__" / f"provenance.{sys.implementation.cache_tag}.json",
-        [_stamp(Path(file)) for file in (__file__, plugs.__file__)],
+        source.PACKAGE / "__pycache__" / f"provenance.{sys.implementation.cache_tag}.json",
+        [_stamp(Path(file)) for file in (__file__, source.__file__)],
     )
     try:
         stored = json.loads(path.read_text())
@@ -66,7 +67,7 @@ def _read(module: str) -> dict:
     """The stamp of a module's file, the names that it may import and the sha256 of its parsed
     source.
     """
-    stored, stamp = _store(), _stamp(plugs.source(module))
+    stored, stamp = _store(), _stamp(source.path(module))
     if stored.get(module, {}).get("stamp") != stamp:
         parsed = tree(module)
         stored[module] = {
@@ -122,7 +123,7 @@ def data_digest(package: str) -> str:
     """sha256 of what lies below a package beside its code: published numbers, templates, style
     sheets.
     """
-    folder = plugs.PACKAGE.joinpath(*package.split(".")[1:])
+    folder = source.PACKAGE.joinpath(*package.split(".")[1:])
 
     def belongs(path: Path) -> bool:
         """Not what editors, numba or Python leave beside the sources."""
@@ -160,7 +161,8 @@ def installed(package: str) -> str | None:
         return None
 
 
-def versions(names) -> dict[str, str]:
+def versions(names: Iterable[str]) -> dict[str, str]:
+    """Distribution -> version of these import packages, where they are installed."""
     return {
         DISTRIBUTION.get(name, name): found for name in sorted(names) if (found := installed(name))
     }

@@ -1,1 +1,4 @@
-"""One file a body: it makes the mesh and the finite-element space of a scene."""
+"""One file a body: a frozen dataclass of the scene's `body` block whose `build()` gives the Space.
+
+The block's `shape` is the name of the file.
+"""

@@ -1,232 +1,140 @@
-"""Reading, merging and schema-checking of configuration files; each complaint is one line."""
+"""Reads YAML 1.2: a plain `on`, `no`, `1:30`, `0200` or date is text, and 1e-8 is a number.
 
-import difflib
-import math
+PyYAML takes a file apart; what its plain words mean (YAML 1.2.2, section 10.2.2) is said here. Keys
+are always text. Leading zeros, which other readers take for octal numbers, make text.
+"""
+
 import re
-from collections.abc import Callable
-from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import yaml
 
-# YAML 1.1, which PyYAML reads, takes 1e-8 and 104.0e9 for text; YAML 1.2 and everyone else take
-# them for numbers.
-NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+")
+from vibrom.config.errors import SettingsError
 
-
-class SettingsError(ValueError):
-    """A wrong entry of the configuration: which file, which key, what it holds, and what to do
-    about it.
-    """
-
-    def __init__(self, file: str | Path, key: str | tuple, value: Any, cure: str):
-        shown = "" if value is None else f" = {_short(value)}"
-        super().__init__(
-            f"{_near(file)}: {key if isinstance(key, str) else dotted(key)}{shown} {cure}"
-        )
-
-
-class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
-    """Refuses a key that is given twice: the second would silently win."""
-
-    def construct_mapping(self, node, deep=False):
-        seen = set()
-        for key_node, _ in node.value:
-            if key_node.tag == "tag:yaml.org,2002:merge":
-                continue
-            key = self.construct_object(key_node, deep=True)
-            if key in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"{key!r} is given twice; remove one", key_node.start_mark
-                )
-            seen.add(key)
-        return super().construct_mapping(node, deep)
+WORDS = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+NUMBER = re.compile(r"[-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
+ENDLESS = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+DIGITS = 400  # of a whole number; no setting has more
+ENTRIES, DEPTH = 100_000, 50  # of one file, its aliases written out
 
 
 def read(path: Path) -> dict[str, Any]:
     """The mapping in a YAML file."""
     try:
-        content = yaml.load(path.read_text(), _Loader)
+        text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
-        raise SettingsError(
-            str(path), "file", None, f"cannot be read ({error.strerror}); check the name"
-        ) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark = getattr(error, "problem_mark", None)
+        cure = f"cannot be read ({error.strerror}); check the name"
+        raise SettingsError(path, "file", None, cure) from error
+    except UnicodeDecodeError as error:
+        raise SettingsError(path, "file", None, "is not UTF-8 text; save it as UTF-8") from error
+    try:
+        content = _Document(path, text).content()
+    except yaml.YAMLError as error:
+        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
         line = f"line {mark.line + 1}" if mark else "file"
-        raise SettingsError(
-            str(path),
-            line,
-            None,
-            f"is not YAML ({getattr(error, 'problem', None) or 'unreadable text'}); correct it",
-        ) from error
+        cure = f"is not YAML ({problem or 'unreadable text'}); correct it"
+        raise SettingsError(path, line, None, cure) from error
     if not isinstance(content, dict):
-        raise SettingsError(str(path), "file", None, "holds no `key: value` pairs; write some")
+        raise SettingsError(path, "file", None, "holds no `key: value` pairs; write some")
     return content
 
 
-def numbers(value: Any) -> Any:
-    """`value` with plain containers, and with numbers where YAML 1.1 sees text such as 1e-8."""
-    if isinstance(value, dict):
-        return {key: numbers(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [numbers(item) for item in value]
-    return float(value) if isinstance(value, str) and NUMBER.fullmatch(value) else value
+def plain(text: str) -> Any:
+    """What an unquoted word is: nothing, true or false, a number, or text."""
+    if text in WORDS:
+        return WORDS[text]
+    if WHOLE.fullmatch(text) and len(text) <= DIGITS:
+        return int(text)
+    if NUMBER.fullmatch(text):
+        return float(text)
+    return float(text.replace(".", "")) if ENDLESS.fullmatch(text) else text
 
 
-def merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """`below` with the entries of `above` laid over it; mappings are merged, all else is replaced."""
-    merged = dict(below)
-    for key, value in above.items():
-        old = merged.get(key)
-        merged[key] = (
-            merge(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
-        )
-    return merged
+class _Document:
+    """One file, event by event; aliases share what they name, and count as if written out."""
 
+    def __init__(self, path: Path, text: str):
+        self.path, self.depth, self.entries = path, 0, 0
+        self.events = yaml.parse(text, yaml.CLoader if yaml.__with_libyaml__ else yaml.Loader)
+        # anchor -> (value, entries, depth), None while it is being read
+        self.anchors: dict[str, tuple[Any, int, int] | None] = {}
 
-def at(content: Any, path: tuple) -> Any:
-    """The entry at `path`, or None."""
-    for key in path:
-        if isinstance(content, dict):
-            content = content.get(key)
-        elif isinstance(content, list) and isinstance(key, int) and key < len(content):
-            content = content[key]
+    def content(self) -> Any:
+        content = None
+        for event in self.events:
+            if isinstance(event, yaml.NodeEvent):
+                content = self.value(event)
+            elif isinstance(event, yaml.DocumentStartEvent) and content is not None:
+                self.refuse(event, "begins a second document; leave one")
+        return content
+
+    def refuse(self, event: yaml.Event, cure: str) -> NoReturn:
+        raise SettingsError(self.path, f"line {event.start_mark.line + 1}", None, cure)
+
+    def value(self, event: yaml.NodeEvent) -> Any:
+        """What begins with this event."""
+        before = self.entries
+        if isinstance(event, yaml.AliasEvent):
+            known = self.anchors.get(event.anchor, ())
+            if not known:
+                lacks = "stands for nothing before it" if known == () else "holds itself"
+                self.refuse(event, f"alias *{event.anchor} {lacks}; write it out")
+            made, entries, depth = known
+            self.count(event, entries, depth)
+            return made
+        self.count(event, 1, isinstance(event, yaml.CollectionStartEvent))
+        if event.anchor:
+            self.anchors[event.anchor] = None
+        if event.tag not in (None, "!", "tag:yaml.org,2002:str"):
+            self.refuse(event, f"has the tag {event.tag!r}, which means nothing here; remove it")
+        if isinstance(event, yaml.ScalarEvent):
+            made = plain(event.value) if not (event.style or event.tag) else event.value
         else:
-            return None
-    return content
+            self.depth += 1
+            made = self.mapping() if isinstance(event, yaml.MappingStartEvent) else self.sequence()
+            self.depth -= 1
+        if event.anchor:
+            self.anchors[event.anchor] = made, self.entries - before, _depth(made)
+        return made
+
+    def count(self, event: yaml.Event, entries: int, depth: int) -> None:
+        self.entries += entries
+        if self.depth + depth > DEPTH:
+            self.refuse(event, f"is nested more than {DEPTH} deep; nothing here needs that")
+        if self.entries > ENTRIES:
+            self.refuse(event, f"grows beyond {ENTRIES} entries through its aliases; use fewer")
+
+    def sequence(self) -> list[Any]:
+        items = []
+        while not isinstance(event := next(self.events), yaml.SequenceEndEvent):
+            items.append(self.value(event))
+        return items
+
+    def mapping(self) -> dict[str, Any]:
+        """Its entries over those that `<<` merges into it, of which the first ones win."""
+        own: dict[str, Any] = {}
+        merged: list[dict[str, Any]] = []
+        while not isinstance(key := next(self.events), yaml.MappingEndEvent):
+            if not isinstance(key, yaml.ScalarEvent) or key.tag or key.anchor:
+                self.refuse(key, "has a key that is no word; write one")
+            value = self.value(next(self.events))
+            if key.value == "<<" and not key.style:
+                merged += value if isinstance(value, list) else [value]
+                if not all(isinstance(block, dict) for block in merged):
+                    self.refuse(key, "'<<' merges blocks only; name one")
+            elif key.value in own:
+                self.refuse(key, f"{key.value!r} is given twice; remove one")
+            else:
+                own[key.value] = value
+        return {key: value for block in (*reversed(merged), own) for key, value in block.items()}
 
 
-def dotted(path: tuple) -> str:
-    """body.cells[0]"""
-    return (
-        "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in path).lstrip(".")
-        or "file"
-    )
-
-
-def closest(word: Any, known: list[str]) -> str:
-    """The cure for a word that is not known."""
-    near = difflib.get_close_matches(str(word), known, 1, 0.6)
-    return (
-        f"did you mean {near[0]!r}?"
-        if near
-        else f"choose from {', '.join(known)}"
-        if known
-        else "remove it"
-    )
-
-
-def _short(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _near(file: str | Path) -> str:
-    """The file as seen from here, where it lies below."""
-    path = Path(file)
-    return (
-        str(path.relative_to(Path.cwd()))
-        if path.is_absolute() and path.is_relative_to(Path.cwd())
-        else str(path)
-    )
-
-
-@cache
-def _validator(path: Path):
-    from jsonschema import Draft202012Validator
-
-    return Draft202012Validator(yaml.load(path.read_text(), _Loader))
-
-
-def schema_errors(
-    content: dict[str, Any], schema: Path, place: Callable[[tuple], tuple[Path, tuple]]
-) -> None:
-    """Raise for the first entry that breaks the schema; `place` says in which file and at which key
-    an entry stands.
-    """
-    for path in _not_finite(content):
-        file, where = place(path)
-        raise SettingsError(file, where, at(content, path), "is no finite number; give one")
-    # A misspelt key comes first: it explains the missing one.
-    errors = sorted(
-        _validator(schema).iter_errors(content),
-        key=lambda error: error.validator != "additionalProperties",
-    )
-    if not errors:
-        return
-    error, path = errors[0], tuple(errors[0].absolute_path)
-    value, wanted = error.instance, error.validator_value
-    if error.validator == "additionalProperties":
-        known = list(error.schema.get("properties", {}))
-        path = (*path, next(key for key in value if key not in known))
-        value, cure = value[path[-1]], f"is an unknown key; {closest(path[-1], known)}"
-    elif error.validator == "required":
-        path = (*path, next(key for key in wanted if key not in value))
-        value, cure = None, "is missing; add it"
-    elif error.validator == "dependentRequired":
-        given, path = next(
-            (key, (*path, need))
-            for key, needs in wanted.items()
-            if key in value
-            for need in needs
-            if need not in value
-        )
-        value, cure = None, f"is missing; {given!r} needs it, add it"
-    elif error.validator == "uniqueItems":
-        double = next(item for index, item in enumerate(value) if item in value[:index])
-        cure = f"repeats {double!r}; give each once"
-    elif error.validator == "enum":
-        cure = f"is not known; {closest(value, [str(item) for item in wanted])}"
-    else:
-        cure = f"must be {_expectation(error.validator, wanted)}; change it"
-    about = (
-        error.schema.get("description")
-        if error.validator not in ("additionalProperties", "required", "dependentRequired")
-        else None
-    )
-    file, where = place(path)
-    raise SettingsError(file, where, value, cure + (f" ({about})" if about else ""))
-
-
-def _not_finite(content: Any, path: tuple = ()) -> list[tuple]:
-    """Where .nan and .inf stand: every comparison of a bound lets them through."""
-    if isinstance(content, float):
-        return [] if math.isfinite(content) else [path]
-    items = (
-        content.items()
-        if isinstance(content, dict)
-        else enumerate(content)
-        if isinstance(content, list)
-        else ()
-    )
-    return [found for key, item in items for found in _not_finite(item, (*path, key))]
-
-
-def _expectation(validator: str, wanted: Any) -> str:
-    words = {
-        "minimum": "at least",
-        "maximum": "at most",
-        "exclusiveMinimum": "greater than",
-        "exclusiveMaximum": "less than",
-    }
-    if validator in words:
-        return f"{words[validator]} {wanted}"
-    if validator == "type":
-        kinds = [wanted] if isinstance(wanted, str) else [kind for kind in wanted if kind != "null"]
-        names = {
-            "object": "a block of `key: value` pairs",
-            "array": "a list",
-            "integer": "a whole number",
-            "number": "a number",
-            "string": "text",
-            "boolean": "true or false",
-        }
-        return " or ".join(names[kind] for kind in kinds)
-    if validator in ("minItems", "maxItems", "minProperties"):
-        bound = "at most" if validator == "maxItems" else "at least"
-        return f"{bound} {wanted} {'entry' if wanted == 1 else 'entries'} long"
-    if validator == "multipleOf":
-        return f"a multiple of {wanted}"
-    return f"as {validator} {wanted} says"
+def _depth(value: Any) -> int:
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(_depth, items), default=0) if isinstance(value, (dict, list)) else 0

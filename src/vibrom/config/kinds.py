@@ -6,15 +6,19 @@ workflow reads its fields from the text and knows the words of this file, `Liter
 types, and the dataclasses of the plug's own file.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 from msgspec import Meta
+
+Item = TypeVar("Item")
+Distinct = Annotated[list[Item], Meta(extra_json_schema={"uniqueItems": True})]
+Several = Annotated[Distinct[Item], Meta(min_length=1)]
 
 Positive = Annotated[float, Meta(gt=0)]
 NonNegative = Annotated[float, Meta(ge=0)]
 Fraction = Annotated[float, Meta(ge=0, le=1)]
+Ratio = Annotated[float, Meta(ge=0, lt=1)]
 Tolerance = Annotated[float, Meta(gt=0, le=0.1)]  # relative
-Residual = Annotated[float, Meta(ge=1e-10, le=0.1)]  # relative, of a converged time step
 PoissonRatio = Annotated[float, Meta(gt=-1, lt=0.5)]
 
 Count = Annotated[int, Meta(ge=1)]
@@ -22,9 +26,26 @@ Whole = Annotated[int, Meta(ge=0)]
 Steps = Annotated[int, Meta(ge=20)]  # time steps in one period of the first mode
 Seed = Annotated[int, Meta(ge=0, lt=2**32)]
 
-Name = Annotated[str, Meta(pattern="^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=60)]
+Point = tuple[float, float]  # m
+Cells = tuple[Count, Count]  # along the length, over the height
 Direction = Literal["x", "y"]
 Edge = Literal["left", "right", "bottom", "top"]
 Element = Literal["bilinear", "quadratic", "serendipity"]
-Point = tuple[float, float]  # m
-Cells = tuple[Count, Count]  # along the length, over the height
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*\Z"
+DEVICE = r"^(auto|cpu|cuda(:[0-9]+)?)\Z"
+FOLDER = r"^[^{}<>*?\x00-\x1f]+\Z"
+ROM_CLASS = r"^vibrom[.][a-z0-9_.]+:[A-Za-z0-9]+\Z"
+# Pattern -> what it asks for, in words.
+FORMS = {
+    NAME: "of letters, digits, '_', '-' and '.', and begin with a letter or digit",
+    DEVICE: "auto, cpu, cuda or cuda:<number>",
+    FOLDER: "a path without { } < > * and ?",
+    ROM_CLASS: "module:name of a class of vibrom",
+}
+# A file of this folder of vibrom.
+Stepper = Annotated[str, Meta(extra={"plugs": "solvers/reduced/steppers"})]
+Name = Annotated[str, Meta(pattern=NAME, max_length=60)]  # of a scene, probe, method or guard
+Device = Annotated[str, Meta(pattern=DEVICE)]
+Folder = Annotated[str, Meta(pattern=FOLDER)]
+RomClass = Annotated[str, Meta(pattern=ROM_CLASS)]

@@ -1,171 +1,227 @@
-"""What can be plugged in: effects, methods and experiments, read from their source text without
-importing them.
+"""What can be plugged in: bodies, effects, methods, experiments and studies, read from their text.
 
-A plug is one file in its folder. Its settings are the fields of its dataclass, what it needs are
-constants of its module; both are literals in the text, so that a workflow with hundreds of jobs is
-planned without loading a single numerical package.
+A plug is one file in its folder. Its settings are the fields of its dataclass, of the kinds that
+`kinds` names, with what the comment beside a field says as their description. Plugs import
+numerical packages, which would cost seconds in every plan of hundreds of jobs; so the declaration
+is evaluated from the text, with the names that the file itself defines or imports.
 """
 
 import ast
-from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
+import typing
+from collections.abc import Iterable
+from contextlib import suppress
+from functools import cache, partial
+from typing import Annotated, Any
 
-PACKAGE = Path(__file__).parent.parent
-# The method that the plug's class is asked to have.
-QUESTION = {"effects": "assemble", "methods": "fit"}
-DOCUMENTED = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+import msgspec
+from msgspec import Meta
 
+from vibrom.config import kinds, source
+from vibrom.config.errors import ConfigError
+from vibrom.config.scene import STAGES, USUAL_STAGE, Block
 
-@dataclass(frozen=True)
-class Field:
-    """One setting: its type as written, and whether it must be given."""
-
-    annotation: str
-    required: bool
-
-
-def names(folder: str) -> list[str]:
-    """The plugs in `effects`, `methods` or `experiments`."""
-    return sorted(
-        path.stem for path in (PACKAGE / folder).glob("*.py") if not path.stem.startswith("_")
-    )
-
-
-def is_package(module: str) -> bool:
-    return PACKAGE.joinpath(*module.split(".")[1:], "__init__.py").is_file()
+# Folder -> the method that tells the class of a plug from what stands beside it; None: its name.
+PLUGS = {
+    "bodies": "build",
+    "effects": "assemble",
+    "methods": "fit",
+    "experiments": "ask",
+    "studies": None,
+}
+BUILT_IN = {word.__name__: word for word in (float, int, str, bool, list, dict, tuple)}
+FOREIGN = {"typing": typing, "msgspec": msgspec, "vibrom.config.kinds": kinds}
 
 
-def is_module(module: str) -> bool:
-    """Is there source for this full name, a package's or a module's?"""
-    return module.split(".")[0] == "vibrom" and (
-        is_package(module) or PACKAGE.joinpath(*module.split(".")[1:]).with_suffix(".py").is_file()
-    )
-
-
-def source(module: str) -> Path:
-    """The file of `vibrom` or of a module below it, by its full name."""
-    path = PACKAGE.joinpath(*module.split(".")[1:])
-    return path / "__init__.py" if is_package(module) else path.with_suffix(".py")
+class PlugError(ConfigError):
+    """A plug whose settings cannot be read from its text; the message names the cure."""
 
 
 @cache
-def tree(module: str) -> ast.Module:
-    """Its parsed source."""
-    return parse(source(module))
+def names(folder: str) -> list[str]:
+    """The plugs in a folder of vibrom: effects, report/tables, ..."""
+    found = [file.stem for file in (source.PACKAGE / folder).glob("*.py") if file.stem[0] != "_"]
+    return sorted(name for name in found if folder not in PLUGS or class_of(folder, name))
 
 
-def parse(path: Path) -> ast.Module:
-    """A source file without docstrings."""
-    parsed = ast.parse(path.read_bytes(), filename=str(path))
-    _strip(parsed)
-    return parsed
+def settings_of(folder: str, name: str) -> type[Block]:
+    """The settings of a plug, as a class that msgspec knows."""
+    return declared(module_of(folder, name), class_of(folder, name) or "")
 
 
-def _strip(node) -> None:
-    """Remove the docstrings of a module, class or function and of what it defines."""
-    if ast.get_docstring(node, clean=False) is not None:
-        node.body = node.body[1:]
-    for item in node.body:
-        if isinstance(item, DOCUMENTED):
-            _strip(item)
+@cache
+def declared(module: str, name: str) -> type[Block]:
+    """The fields of a dataclass of vibrom, those that it inherits first, as such a class."""
+    fields = _fields(module, name)
+    made: Any = msgspec.defstruct(
+        name, list(fields.values()), bases=(Block,), kw_only=True, frozen=True, module=module
+    )
+    return made
 
 
-def constants(folder: str, name: str) -> dict[str, object]:
-    """The plug's constants that are literals: those of its module and, where it defines one class,
-    those of the class and of the classes above it.
+def kinds_of(settings: type[Block]) -> dict[str, Any]:
+    """Setting -> its kind."""
+    return {field.name: field.type for field in msgspec.structs.fields(settings)}
+
+
+def must_be_given(settings: type[Block]) -> list[str]:
+    """The settings without a default."""
+    return [field.name for field in msgspec.structs.fields(settings) if field.required]
+
+
+def constants(folder: str, name: str) -> dict[str, Any]:
+    """The plug's constants that are literals: of its module, of its last class and of the classes
+    above that.
     """
-    module = f"vibrom.{folder.replace('/', '.')}.{name}"
-    classes = [node for node in tree(module).body if isinstance(node, ast.ClassDef)]
-    own = _class_constants(module, classes[-1]) if classes else {}
-    return _literals(tree(module).body) | own
+    module = module_of(folder, name)
+    found, classes = _literals(names_of(module).assigned), list(names_of(module).classes)
+    return found | _class_constants(module, classes[-1]) if classes else found
 
 
-def _class_constants(module: str, node: ast.ClassDef) -> dict[str, object]:
-    found: dict[str, object] = {}
-    for home, parent in _parents(module, node):
-        found |= _class_constants(home, parent)
-    return found | _literals(node.body)
+def _class_constants(module: str, name: str) -> dict[str, Any]:
+    node = names_of(module).classes[name]
+    found: dict[str, Any] = {}
+    for parent in _parents(module, node):
+        found |= _class_constants(*parent)
+    return found | _literals(assigned(node.body))
 
 
-def _literals(body: list[ast.stmt]) -> dict[str, object]:
-    """The assignments of literals to a name among these statements."""
-    found: dict[str, object] = {}
-    for node in body:
-        targets = (
-            node.targets
-            if isinstance(node, ast.Assign)
-            else [node.target]
-            if isinstance(node, ast.AnnAssign) and node.value
-            else []
-        )
-        for target in targets:
-            if isinstance(target, ast.Name):
-                try:
-                    found[target.id] = ast.literal_eval(node.value)
-                except ValueError:
-                    continue
+def _literals(values: dict[str, ast.expr]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in values.items():
+        with suppress(ValueError):
+            found[name] = ast.literal_eval(value)
     return found
 
 
-def settings_of(folder: str, name: str) -> dict[str, Field]:
-    """The plug's settings: the fields of its one class, inherited ones included."""
-    module = f"vibrom.{folder}.{name}"
-    classes = [
-        node
-        for node in tree(module).body
-        if isinstance(node, ast.ClassDef) and _answers(module, node, QUESTION[folder])
-    ]
-    return _fields(module, classes[-1]) if classes else {}
+def assigned(body: list[ast.stmt]) -> dict[str, ast.expr]:
+    """What is assigned to each name among these statements."""
+    found: dict[str, ast.expr] = {}
+    for node in body:
+        if isinstance(node, ast.Assign):
+            found |= {ast.unparse(target): node.value for target in node.targets}
+        elif isinstance(node, ast.AnnAssign) and node.value:
+            found[ast.unparse(node.target)] = node.value
+    return found
 
 
-def _answers(module: str, node: ast.ClassDef, question: str) -> bool:
+def in_order(effects: Iterable[str]) -> list[str]:
+    """The names of effects in the order in which they add up."""
+
+    def place(name: str) -> tuple[int, str]:
+        return STAGES.index(constants("effects", name).get("STAGE", USUAL_STAGE)), name
+
+    return sorted(effects, key=place)
+
+
+def module_of(folder: str, name: str) -> str:
+    """The full name of a plug's module."""
+    return f"vibrom.{folder.replace('/', '.')}.{name}"
+
+
+@cache
+def class_of(folder: str, name: str) -> str | None:
+    """The last class of a plug's file that has the method of its folder; of a study the class of
+    the same name.
+    """
+    module = module_of(folder, name)
+    classes, method = names_of(module).classes, PLUGS[folder]
+    if method is None:
+        return next((item for item in classes if item.lower() == name.replace("_", "")), None)
+    found = [item for item in classes if _answers(module, item, method)]
+    return found[-1] if found else None
+
+
+def _answers(module: str, name: str, question: str) -> bool:
     """Does the class define or inherit the method?"""
+    node = names_of(module).classes[name]
     own = any(isinstance(item, ast.FunctionDef) and item.name == question for item in node.body)
-    return own or any(_answers(home, parent, question) for home, parent in _parents(module, node))
+    return own or any(_answers(*parent, question) for parent in _parents(module, node))
 
 
-def _fields(module: str, node: ast.ClassDef) -> dict[str, Field]:
-    fields: dict[str, Field] = {}
-    for parent_module, parent in _parents(module, node):
-        fields |= _fields(parent_module, parent)
+def _parents(module: str, node: ast.ClassDef) -> list[tuple[str, str]]:
+    """Module and name of the bases that are classes of vibrom."""
+    homes = [names_of(module).home(ast.unparse(base)) for base in node.bases]
+    return [home for home in homes if home and home[1] in names_of(home[0]).classes]
+
+
+def _fields(module: str, name: str) -> dict[str, tuple]:
+    """Field -> (its name, its kind with a description, its default where it has one)."""
+    scope = names_of(module)
+    node = scope.classes[name]
+    fields: dict[str, tuple] = {}
+    for parent in _parents(module, node):
+        fields |= _fields(*parent)
     for item in node.body:
-        if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
-            annotation = ast.unparse(item.annotation)
-            if not annotation.startswith("ClassVar"):
-                fields[item.target.id] = Field(annotation, _required(item.value))
+        if isinstance(item, ast.AnnAssign) and "ClassVar" not in ast.unparse(item.annotation):
+            key = ast.unparse(item.target)
+            try:
+                fields[key] = (key, *_declaration(module, item, scope))
+            except Exception as error:
+                cure = "take a kind of vibrom.config.kinds, and a literal as the default"
+                where = f"{source.path(module)}: {name}.{key}"
+                raise PlugError(
+                    f"{where} cannot be read from the text ({error}); {cure}"
+                ) from error
     return fields
 
 
-def _required(value: ast.expr | None) -> bool:
-    """A field without a default, `field(...)` of dataclasses included."""
-    if (
-        isinstance(value, ast.Call)
-        and getattr(value.func, "id", getattr(value.func, "attr", "")) == "field"
-    ):
-        return not any(keyword.arg in ("default", "default_factory") for keyword in value.keywords)
-    return value is None
+def _declaration(module: str, item: ast.AnnAssign, scope: "Names") -> tuple:
+    kind, about = scope.evaluate(item.annotation), source.comment(module, item)
+    kind = Annotated[kind, Meta(description=about)] if about else kind
+    return (kind,) if (default := _default(item.value, scope)) is None else (kind, default)
 
 
-def _parents(module: str, node: ast.ClassDef) -> list[tuple[str, ast.ClassDef]]:
-    """The class's bases that are defined in vibrom, with the module of each."""
-    origin = {
-        item.name: (module, item.name)
-        for item in tree(module).body
-        if isinstance(item, ast.ClassDef)
-    }
-    for item in tree(module).body:
-        if isinstance(item, ast.ImportFrom) and item.module and is_module(item.module):
-            origin |= {
-                alias.asname or alias.name: (item.module, alias.name) for alias in item.names
-            }
-    found = []
-    for base in node.bases:
-        home, name = origin.get(ast.unparse(base), (None, None))
-        if home and is_module(home):
-            found += [
-                (home, item)
-                for item in tree(home).body
-                if isinstance(item, ast.ClassDef) and item.name == name
-            ]
-    return found
+def _default(node: ast.expr | None, scope: "Names") -> Any:
+    """What msgspec takes for the default; None where there is none."""
+    if isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] == "field":
+        given = {keyword.arg: keyword.value for keyword in node.keywords}
+        node = given.get("default_factory", given.get("default"))
+        if isinstance(node, ast.Lambda):
+            node = node.body
+        elif node is not None and "default_factory" in given:
+            return msgspec.field(default_factory=scope.evaluate(node))
+    if node is None:
+        return None
+    scope.evaluate(node)  # an error is raised here
+    return msgspec.field(default_factory=partial(scope.evaluate, node))
+
+
+class Names:
+    """What the names in a module stand for, as far as declarations of settings use them."""
+
+    def __init__(self, module: str):
+        self.module = module
+        self.classes: dict[str, ast.ClassDef] = {}
+        self.assigned = assigned(source.tree(module).body)
+        self.imported: dict[str, tuple[str, str]] = {}  # name -> module, and its name there
+        for node in source.tree(module).body:
+            if isinstance(node, ast.ClassDef):
+                self.classes[node.name] = node
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                for alias in node.names:
+                    self.imported[alias.asname or alias.name] = node.module, alias.name
+
+    def home(self, name: str) -> tuple[str, str] | None:
+        """Module and name of what a name stands for, where that is in vibrom."""
+        module, there = self.imported.get(name, (self.module, name))
+        return (module, there) if source.is_module(module) else None
+
+    def evaluate(self, node: ast.expr) -> Any:
+        """The value of an expression of the module."""
+        code = compile(ast.Expression(node), self.module, "eval")
+        return eval(code, {"__builtins__": {}}, self)  # type: ignore[arg-type]
+
+    def __getitem__(self, name: str) -> Any:
+        module, there = self.imported.get(name, (self.module, name))
+        if module in FOREIGN:
+            return getattr(FOREIGN[module], there)
+        if module != self.module and source.is_module(module):
+            return names_of(module)[there]
+        if name in self.classes:
+            return declared(module, name)
+        if name in self.assigned:
+            return self.evaluate(self.assigned[name])
+        return BUILT_IN[name]
+
+
+names_of = cache(Names)

@@ -14,6 +14,11 @@ from msgspec import Meta
 from vibrom.config.kinds import Count, Fraction, Name, Positive, Steps
 
 Role = Literal["train", "test"]
+# Effects add up in this order, whatever the order of their keys, those of one stage by their names:
+# each says by `STAGE` what it adds, and may read the sum of what comes before.
+STAGES = ("mass", "stiffness", "forces", "dead_load", "damping", "load")
+SHAPE = "rectangle"  # of a body that does not say
+USUAL_STAGE = "forces"  # of an effect that does not say
 
 
 class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -25,11 +30,12 @@ class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return msgspec.convert(plain, cls)
 
     def to_builtins(self) -> dict[str, Any]:
-        """Plain mappings, lists, numbers and text, all defaults written out."""
-        return msgspec.to_builtins(self)
+        """Plain mappings, lists, numbers and text; defaults are written out, None left out."""
+        plain = msgspec.to_builtins(self)
+        return {key: value for key, value in plain.items() if value is not None}
 
 
-class Release(Block):
+class Release(Block, frozen=True):
     """Where a decay starts: a displacement of the run forced from rest at the damped first
     frequency.
     """
@@ -38,7 +44,7 @@ class Release(Block):
     step: Count  # the time step at which the displacement is taken
 
 
-class Record(Block):
+class Record(Block, frozen=True):
     """What is recorded of a decay."""
 
     periods: Count  # of the damped first mode
@@ -46,7 +52,7 @@ class Record(Block):
     derivatives: Literal["differences", "integrator"] = "differences"
 
 
-class Time(Block):
+class Time(Block, frozen=True):
     """The time integration of the full-order model."""
 
     steps_per_period: Steps  # time steps in one period of the first mode
@@ -57,14 +63,14 @@ class Time(Block):
     initial_acceleration: Literal["zero", "equilibrium"]
 
 
-class Scene(Block):
+class Scene(Block, frozen=True):
     """One file of config/scenes."""
 
     name: Name  # the file's
     description: str
     body: dict[str, Any]  # `shape`, a file of src/vibrom/bodies, and its settings
-    effects: dict[str, dict[str, Any]]  # by name, files of src/vibrom/effects
+    effects: dict[str, dict[str, Any]]  # settings, by effect
     releases: Annotated[dict[Role, Release], Meta(min_length=2)]  # where the decays start
     record: Record  # what is recorded of a decay
     time: Time  # the time integration of the full-order model
-    experiments: dict[str, dict[str, Any]]  # by name, files of src/vibrom/experiments
+    experiments: dict[str, dict[str, Any]] = {}  # settings, by experiment

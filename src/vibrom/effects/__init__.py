@@ -1,37 +1,39 @@
 """One file an effect: a frozen dataclass of the scene's keys whose `assemble(space, base)` gives
 the Term that it adds.
 
-`base` is the sum of the effects listed before it. An effect that a scene does not list is never
-imported.
+`base` is the sum of the effects before it. Their order is not that of the scene: `STAGE`, a
+constant of the file, names what an effect adds first, and stages follow one another as
+`vibrom.config.scene.STAGES`. An effect that a scene does not list is never imported.
 """
 
 import importlib
+from collections.abc import Mapping
+from types import ModuleType
 from typing import Any
 
 from vibrom.bodies.space import Space
+from vibrom.config.instance import instance, plug
+from vibrom.config.scene import STAGES, USUAL_STAGE
 from vibrom.term import SceneError, Term
 
 
-def assemble(space: Space, effects: dict[str, dict[str, Any]]) -> Term:
-    """The sum of the effects of a scene, in their order."""
+def assemble(space: Space, effects: Mapping[str, Mapping[str, Any] | None]) -> Term:
+    """The sum of the effects of a scene."""
     total = Term()
-    for name, settings in effects.items():
-        total = total + load(name, settings or {}).assemble(space, total)
+    for name in sorted(effects, key=_place):
+        total = total + load(name, effects[name] or {}).assemble(space, total)
     return total
 
 
-def load(name: str, settings: dict[str, Any]) -> Any:
-    """The effect of this name: the one class with an `assemble` that `effects/<name>.py` defines."""
-    module = importlib.import_module(f"vibrom.effects.{name}")
-    found = [
-        item
-        for item in vars(module).values()
-        if isinstance(item, type)
-        and item.__module__ == module.__name__
-        and hasattr(item, "assemble")
-    ]
-    if len(found) != 1:
-        raise SceneError(
-            f"effects/{name}.py defines {len(found)} classes with an `assemble`; define exactly one"
-        )
-    return found[0](**settings)
+def load(name: str, settings: Mapping[str, Any]) -> Any:
+    """The effect of this name: the one class of `effects/<name>.py` that assembles."""
+    kind = plug(_module(name), "assemble", SceneError)
+    return instance(kind, settings, f"effects.{name}", SceneError)
+
+
+def _module(name: str) -> ModuleType:
+    return importlib.import_module(f"vibrom.effects.{name}")
+
+
+def _place(name: str) -> tuple[int, str]:
+    return STAGES.index(getattr(_module(name), "STAGE", USUAL_STAGE)), name

@@ -11,14 +11,16 @@ Structures, 26-1.
 from dataclasses import dataclass
 
 from vibrom.bodies.space import AXES, Space
+from vibrom.config.kinds import Direction
 from vibrom.term import Term
+
+STAGE = "load"
 
 
 @dataclass(frozen=True)
 class BaseMotion:
-    direction: str  # x or y
+    direction: Direction
 
     def assemble(self, space: Space, base: Term) -> Term:
-        return Term(
-            load=-base.require("carried", "base_motion", "inertia")[:, AXES[self.direction]]
-        )
+        carried = base.require("carried", "base_motion", "inertia")
+        return Term(load=-carried[:, AXES.index(self.direction)])

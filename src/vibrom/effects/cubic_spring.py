@@ -10,13 +10,16 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from vibrom.bodies.space import Space
+from vibrom.config.kinds import Direction, Point
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
+
+STAGE = "forces"
 
 
 @dataclass(frozen=True)
 class CubicSpring:
-    at: list[float]  # m, a node
-    direction: str  # x or y
+    at: Point  # m, a node
+    direction: Direction
     linear: float = 0.0  # N/m
     cubic: float = 0.0  # N/m^3
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.bodies.space import EDGES, Space
+from vibrom.bodies.space import Space
+from vibrom.config.kinds import Edge
 from vibrom.term import Force, SceneError, Term, force_kernel, tangent_kernel
 
 # int N_a dN_b/ds ds over a segment of two or three nodes; its length drops out.
@@ -23,30 +24,25 @@ NODES = {
     3: np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6,
 }
 
+STAGE = "dead_load"
+
 
 @dataclass(frozen=True)
 class FollowerLoad:
-    edge: str  # left, right, bottom or top
+    edge: Edge
     pressure: float = 0.0  # Pa
     shear: float = 0.0  # Pa, counter-clockwise around the body
 
     def assemble(self, space: Space, base: Term) -> Term:
-        if self.edge not in EDGES:
-            raise SceneError(
-                f"effects.follower_load.edge = {self.edge!r} is no edge; choose from {', '.join(EDGES)}"
-            )
-        nodes = space.edge(self.edge)
+        nodes = space.segments(self.edge)
         dofs = nodes.reshape(len(nodes), -1)
         if (space.number[dofs] < 0).all():
-            raise SceneError(
-                f"effects.follower_load.edge = {self.edge!r} is clamped; choose one that can move"
-            )
+            cure = "is clamped; choose one that can move"
+            raise SceneError(f"effects.follower_load.edge = {self.edge!r} {cure}")
         turn = np.array([[self.shear, -self.pressure], [self.pressure, self.shear]])
         matrix = space.thickness * np.kron(NODES[nodes.shape[1]], turn)  # G of every segment [N/m]
-        load, place = (
-            np.zeros(space.basis.N),
-            space.basis.doflocs[np.arange(dofs.shape[1]) % 2, dofs],
-        )
+        load = np.zeros(space.basis.N)
+        place = space.basis.doflocs[np.arange(dofs.shape[1]) % 2, dofs]
         np.add.at(load, dofs, place @ matrix.T)
         table = np.tile(-matrix.ravel(), (len(dofs), 1))
         return Term(

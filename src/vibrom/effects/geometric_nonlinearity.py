@@ -19,6 +19,8 @@ from vibrom.bodies.space import Space
 from vibrom.kernels.lanes import WIDTH, entry, fill, get, inlined, put, stack
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
+STAGE = "forces"
+
 
 @dataclass(frozen=True)
 class GeometricNonlinearity:

@@ -1,15 +1,17 @@
-"""Weight:  p_0 = M_all (g_x, g_y),  a dead load on every mass listed before it, the clamped nodes'
+"""Weight:  p_0 = M_all (g_x, g_y),  a dead load on every mass, the clamped nodes'
 share included.
 
 The body then oscillates about the shape that its weight gives it: modes, release states and
-everything recorded are measured from there. Listed before `rayleigh_damping` and `modal_load`, it
-gives them the modes of the loaded body.
+everything recorded are measured from there, and damping and modal load are those of the loaded
+body's modes.
 """
 
 from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
 from vibrom.term import Term
+
+STAGE = "dead_load"
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,21 @@ import skfem
 from skfem.helpers import dot
 
 from vibrom.bodies.space import Space
+from vibrom.config.kinds import Positive
 from vibrom.term import Term
+
+STAGE = "mass"
 
 
 @dataclass(frozen=True)
 class Inertia:
-    density: float  # kg/m^3
+    density: Positive  # kg/m^3
 
     def assemble(self, space: Space, base: Term) -> Term:
         mass = skfem.BilinearForm(
             lambda u, v, w: self.density * space.thickness * dot(u, v)
         ).assemble(space.basis)
-        return Term(mass=space.matrix(mass), carried=space.vector(mass @ np.eye(2)[space.axis]))
+        return Term(
+            mass=space.matrix(mass),
+            carried=space.vector(mass @ np.eye(space.dimension)[space.axis]),
+        )

@@ -5,19 +5,23 @@ kg^1/2 and unit of the signal).
 from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
+from vibrom.config.kinds import Count
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError, Term
+
+STAGE = "load"
 
 
 @dataclass(frozen=True)
 class ModalLoad:
-    mode: int = 1  # counted from one
+    mode: Count = 1  # counted from one
 
     def assemble(self, space: Space, base: Term) -> Term:
         mass = base.require("mass", "modal_load", "inertia")
         base.require("stiffness", "modal_load", "elasticity")
-        if not 1 <= self.mode < space.size:
+        if self.mode >= space.size:
             raise SceneError(
-                f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to {space.size - 1}"
+                f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to "
+                f"{space.size - 1}"
             )
         return Term(load=mass @ eigenmodes(base, self.mode)[1][self.mode - 1])

@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibrom.bodies.space import Space
+from vibrom.config.kinds import Direction, Point
 from vibrom.term import Term
+
+STAGE = "load"
 
 
 @dataclass(frozen=True)
 class PointLoad:
-    at: list[float]  # m, a node
-    direction: str  # x or y
+    at: Point  # m, a node
+    direction: Direction
 
     def assemble(self, space: Space, base: Term) -> Term:
         load = np.zeros(space.size)

@@ -7,14 +7,17 @@ omega_1^2  [1/s].
 from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
+from vibrom.config.kinds import NonNegative, Ratio
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import Term
+
+STAGE = "damping"
 
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    damping_ratio: float
-    stiffness_factor: float = 0.0  # s
+    damping_ratio: Ratio  # of the first mode
+    stiffness_factor: NonNegative = 0.0  # s
 
     def assemble(self, space: Space, base: Term) -> Term:
         mass = base.require("mass", "rayleigh_damping", "inertia")

@@ -12,29 +12,29 @@ comes closer to a rigid stop (depth v sqrt(m/k)) and asks for smaller steps.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from vibrom.bodies.space import Space
-from vibrom.term import Force, SceneError, Term, force_kernel, tangent_kernel
+from vibrom.config.kinds import Direction, NonNegative, Point, Positive
+from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
+STAGE = "forces"
 SIDES = {"positive": 1.0, "negative": -1.0}
 
 
 @dataclass(frozen=True)
 class Stop:
-    at: list[float]  # m, a node
-    direction: str  # x or y
-    gap: float  # m, between the node of the undeformed body and the stop
-    stiffness: float  # N/m
-    side: str = "positive"  # of the node on which the stop lies, along the direction, or negative
-    damping: float = 0.0  # s/m
+    at: Point  # m, a node
+    direction: Direction
+    gap: NonNegative  # m, between the node of the undeformed body and the stop
+    stiffness: Positive  # N/m
+    # of the node on which the stop lies, along the direction
+    side: Literal["positive", "negative"] = "positive"
+    damping: NonNegative = 0.0  # s/m
 
     def assemble(self, space: Space, base: Term) -> Term:
-        if self.side not in SIDES:
-            raise SceneError(
-                f"effects.stop.side = {self.side!r} is no side; choose positive or negative"
-            )
         dof = space.dof("effects.stop", self.at, self.direction)
         table = np.array([[SIDES[self.side], self.gap, self.stiffness, self.damping]])
         return Term(forces=(Force(lambda width: (_force, _tangent), np.array([[dof]]), table),))

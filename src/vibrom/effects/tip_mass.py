@@ -1,4 +1,4 @@
-"""A point mass at one node:  M_ii += m  in both directions. It has no rotary inertia of its own."""
+"""A point mass at one node:  M_ii += m  in all directions. It has no rotary inertia of its own."""
 
 from dataclasses import dataclass
 
@@ -6,23 +6,22 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from vibrom.bodies.space import AXES, Space
+from vibrom.config.kinds import Point, Positive
 from vibrom.term import Term
+
+STAGE = "mass"
 
 
 @dataclass(frozen=True)
 class TipMass:
-    at: list[float]  # m, a node
-    mass: float  # kg
+    at: Point  # m, a node
+    mass: Positive  # kg
 
     def assemble(self, space: Space, base: Term) -> Term:
-        dofs, carried = (
-            [space.dof("effects.tip_mass", self.at, direction) for direction in AXES],
-            np.zeros((space.size, len(AXES))),
-        )
-        carried[dofs, range(len(AXES))] = self.mass
-        return Term(
-            mass=csr_matrix(
-                (np.full(len(AXES), self.mass), (dofs, dofs)), shape=(space.size, space.size)
-            ),
-            carried=carried,
-        )
+        axes = AXES[: space.dimension]
+        dofs = [space.dof("effects.tip_mass", self.at, direction) for direction in axes]
+        carried = np.zeros((space.size, len(axes)))
+        carried[dofs, range(len(axes))] = self.mass
+        entries = np.full(len(axes), self.mass)
+        mass = csr_matrix((entries, (dofs, dofs)), shape=(space.size, space.size))
+        return Term(mass=mass, carried=carried)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.config.kinds import Count
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import nmte_percent
 from vibrom.models.model import Model, Watch
@@ -19,7 +20,7 @@ from vibrom.models.recorded import trajectory
 class Decay(Experiment):
     """From the first state of the recorded test decay."""
 
-    periods: int | None = None  # of the damped first mode; None: as many as were recorded
+    periods: Count | None = None  # of the damped first mode; None: as many as were recorded
 
     scores = {"nmte_percent": "percent"}
     reads = ("test",)

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
+from vibrom.config.kinds import Count, Positive
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.measures import nmte_percent
 from vibrom.models.model import Drive, Model, Watch
@@ -21,8 +22,8 @@ THIN = 2  # the whole motion is kept at every second of the instants of a period
 class Forced(Experiment):
     """One amplitude, one frequency."""
 
-    forcing: float  # amplitude, times the scene's load
-    periods: int = 200
+    forcing: Positive  # amplitude, times the scene's load
+    periods: Count = 200
 
     scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
     truth = "forced"

@@ -12,6 +12,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Count, Positive
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Drive, Model, Watch
@@ -21,11 +22,11 @@ from vibrom.models.model import Drive, Model, Watch
 class ResponseCurve(Experiment):
     """One forcing amplitude at equally spaced frequencies."""
 
-    forcing: float  # amplitude, times the scene's load
-    periods: int = 200  # from rest, at each frequency
-    frequencies: int = 33
-    lowest: float = 0.8  # times the damped first frequency
-    highest: float = 1.2  # times the damped first frequency
+    forcing: Positive  # amplitude, times the scene's load
+    periods: Count = 200  # from rest, at each frequency
+    frequencies: Count = 33  # from the lowest to the highest
+    lowest: Positive = 0.8  # times the damped first frequency
+    highest: Positive = 1.2  # times the damped first frequency
 
     scores = {
         "completed": "1",

@@ -47,7 +47,7 @@ def factorise(band: np.ndarray) -> np.ndarray:
 
 @kernel(types.void(types.float64[:, :, ::1], types.float64[:, ::1]))
 def solve(factors, x):
-    """X (n, 1) becomes A^-1 x, from what `factorise` returns."""
+    """x (n, 1) becomes A^-1 x, from what `factorise` returns."""
     count, depth, size = factors.shape
     half, n, z = (depth - size) // 2, x.shape[0], room(1, count * size)
     for i in range(count):

@@ -53,7 +53,7 @@ def _softplus(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
 
 # name -> function of a that gives s, s', s'', s'''; every s(0) = 0.
 ACTIVATIONS = {"elu": _elu, "silu": _silu, "tanh": _tanh, "softplus": _softplus}
-SLOPE_AT_REST = {"elu": 1.0, "silu": 0.5, "tanh": 1.0, "softplus": 0.5}
+SLOPE_AT_REST = {name: float(s(torch.zeros(()))[1]) for name, s in ACTIVATIONS.items()}
 
 
 def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
@@ -151,6 +151,7 @@ class Autoencoder:
         ]
 
     def encode(self, q: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        """The motion of z = w(q), and what `encode_backward` needs."""
         z, tape = forward(q, self._encoder(weights), self.activation)
         return (z if self.encoder_linear is None else z.add_(q @ self.encoder_linear.T)), tape
 
@@ -165,6 +166,7 @@ class Autoencoder:
         return self.decoder_linear - tangent(self._decoder(weights), self.activation)
 
     def decode(self, z: Stack, weights: Weights) -> tuple[Stack, Tape]:
+        """The motion of q = v(z), and what `decode_backward` needs."""
         q, tape = forward(z, self._decoder(weights), self.activation)
         linear = self.linear_decoder(weights)
         return (q if linear is None else q.add_(z @ linear.T)), tape

@@ -1,18 +1,21 @@
-"""What the methods with an autoencoder share: settings, coordinates, one training, and the model
-made of it.
+"""What the methods with an autoencoder share: settings, and three steps.
+
+training data  ->  Problem: coordinates, samples, networks  ->  weights  ->  AutoencoderRom
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from vibrom.config.kinds import Count, Positive, Whole
 from vibrom.latent import coordinates
-from vibrom.latent.autoencoder_rom import BEYOND, RULES, AutoencoderRom, slope_at_rest
+from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates
+from vibrom.latent.networks import Network
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
@@ -21,31 +24,19 @@ if TYPE_CHECKING:
     import torch
 
     from vibrom.latent.autoencoder import Autoencoder
-    from vibrom.latent.training import Dynamics, Schedule
-
-CHOICES = {
-    "activation": ("elu", "silu", "softplus", "tanh"),
-    "linear": ("none", "pod", "modes"),
-    "time_scale": ("first_frequency", "none"),
-    "optimiser": ("soap", "adam"),
-    "schedule": ("one_cycle", "constant"),
-    "precision": ("float32", "float64"),
-    "force_rule": RULES,
-    "decoder_beyond": BEYOND,
-}
+    from vibrom.latent.learner import Dynamics
+    from vibrom.latent.training import Schedule
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Samples (3, m, k) in these coordinates, the linear parts E and D beside the networks, the
-    networks, and the dynamics learnt with them.
-    """
+    """What is to be learnt, from which samples."""
 
     coordinates: Coordinates
-    train: np.ndarray
-    straight: tuple[np.ndarray, np.ndarray]
+    train: np.ndarray  # (3, samples, k): c, dc/dtau, d2c/dtau2
+    straight: tuple[np.ndarray, np.ndarray]  # linear parts E (d, k), D (k, d) beside the networks
     autoencoder: Autoencoder
-    dynamics: Dynamics | None
+    dynamics: Dynamics | None  # learnt together with the networks
     device: torch.device
 
 
@@ -53,82 +44,72 @@ class Problem:
 class AutoencoderMethod(Method):
     """Settings of network, coordinates and optimiser."""
 
-    latent: int = 1  # d, reduced positions; the state has 2 d coordinates
-    order: int = 3  # p, of the polynomial dynamics
-    hidden: tuple[int, ...] = (
-        64,
-        32,
-    )  # units of the encoder's hidden layers; the decoder mirrors them
-    activation: str = "silu"
-    # proper orthogonal directions that carry the displacements, at most; 0: the displacements
-    # themselves
-    rank: int = 14
-    # linear part beside the networks: none, first POD directions, or modes with the decoder tangent
-    # to them at rest
-    linear: str = "pod"
+    latent: Count = 1  # reduced positions; the state has twice as many coordinates
+    order: Count = 3  # of the polynomial dynamics
+    hidden: tuple[Count, ...] = (64, 32)  # units of the encoder's hidden layers, mirrored to decode
+    # smooth ones give smooth accelerations, and tanh alone cannot bend one way
+    activation: Literal["elu", "silu", "softplus", "tanh"] = "silu"
+    # proper orthogonal directions that carry the displacements; 0: the displacements themselves
+    rank: Whole = 14
+    # linear part beside the networks: none, the first proper orthogonal directions (pod), or the
+    # known modes, to which the decoder is then tangent at rest
+    linear: Literal["none", "pod", "modes"] = "pod"
     scaled: bool = True  # displacements divided by their root mean square
-    time_scale: str = "first_frequency"  # or none: seconds
-    every: int = 10  # train on every k-th sample
-    epochs: int = 400
-    batch: int = 0  # samples in a step; 0: all
+    time_scale: Literal["first_frequency", "none"] = "first_frequency"  # none: seconds
+    every: Count = 10  # train on every k-th sample
+    epochs: Count = 400
+    batch: Whole = 0  # samples in a step; 0: all
     shuffle: bool = False
-    optimiser: str = "soap"
-    learning_rate: float = 3e-2
-    schedule: str = "one_cycle"
-    precision: str = "float32"
-    force_rule: str = "decoder"
-    decoder_beyond: str = (
-        "network"  # the training range: the network itself, or its tangent at the edge
-    )
+    # soap: Adam in the eigenvectors of each layer's averaged squared gradients
+    optimiser: Literal["soap", "adam"] = "soap"
+    learning_rate: Positive = 3e-2
+    schedule: Literal["one_cycle", "constant"] = "one_cycle"
+    precision: Literal["float32", "float64"] = "float32"
+    # decoder_mass: virtual work, right for any load; decoder: equation 2.16 of the thesis, and
+    # encoder, which are right for loads proportional to the mass times the motion
+    force_rule: Literal["decoder_mass", "decoder", "encoder"] = "decoder_mass"
+    # beyond the training range: the network itself, or its tangent at the edge
+    decoder_beyond: Literal["network", "tangent"] = "network"
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "hidden", tuple(self.hidden))
-        for name, allowed in CHOICES.items():
-            if getattr(self, name) not in allowed:
-                raise MethodError(
-                    f"{name} is {getattr(self, name)!r}; give one of {', '.join(allowed)}"
-                )
-        for name in ("latent", "order", "every", "epochs"):
-            if getattr(self, name) < 1:
-                raise MethodError(f"{name} is {getattr(self, name)}; give 1 or more")
+    def check(self) -> None:
+        """See Method."""
         if self.rank and self.rank < self.latent:
             raise MethodError(
-                f"rank is {self.rank}, fewer directions than latent = {self.latent}; give {self.latent} or more, or 0 for the displacements themselves"
-            )
-        if not self.learning_rate > 0:
-            raise MethodError(f"learning_rate is {self.learning_rate}; give a positive number")
-        if not all(isinstance(size, int) and size > 0 for size in self.hidden):
-            raise MethodError(
-                f"hidden is {list(self.hidden)}; give the number of units of each layer, such as [64, 32]"
+                f"rank is {self.rank}, fewer directions than latent = {self.latent}; "
+                f"give {self.latent} or more, or 0 for the displacements themselves"
             )
 
+    @abstractmethod
     def dynamics(
         self, training: Training, chosen: Coordinates, stack: np.ndarray
     ) -> Dynamics | None:
-        """What is learnt together with the autoencoder; None: nothing."""
-        return None
+        """What is learnt together with the autoencoder from samples (3, m, k); None: nothing."""
 
     @abstractmethod
     def coefficients(
         self,
-        motion: tuple[np.ndarray, ...],
+        motion: np.ndarray,
         learnt: np.ndarray | None,
         training: Training,
-        rate: float,
+        frequency: float,
     ) -> np.ndarray:
-        """Coefficients of all monomials 1..order, from the encoded motion z, dz/dtau, d2z/dtau2 and
-        from what was learnt with the networks.
+        """Coefficients (d, l) or (2d, l) of all monomials 1..order, from the encoded motion z,
+        dz/dtau, d2z/dtau2 (3, m, d) and from what was learnt with the networks.
         """
 
-    def fit(self, training: Training) -> AutoencoderRom:
-        # torch takes seconds to import, and neither a plan of the workflow nor a fitted model needs
-        # it.
-        from vibrom.latent.training import pick_device, train, warm_up
+    def prepare(self, device: str) -> None:
+        """See Method: torch takes seconds to import, and loads more at its first use."""
+        from vibrom.latent.training import pick_device, warm_up
 
-        warm_up(pick_device(training.device))
+        warm_up(pick_device(device))
+
+    def fit(self, training: Training) -> AutoencoderRom:
+        """See Method."""
+        from vibrom.latent.training import train
+
         with training.monitor.phase("mapping"):
             problem = self.problem(training)
-            learnt = train(
+            weights, found = train(
                 problem.autoencoder,
                 problem.dynamics,
                 self.plan(),
@@ -139,7 +120,7 @@ class AutoencoderMethod(Method):
                 label=f"{type(self).__name__} {training.seed} {sorted(asdict(self).items())}",
             )
         with training.monitor.phase("dynamics"):
-            return self.model(training, problem, learnt)
+            return self.model(training, problem, weights, found)
 
     def problem(self, training: Training) -> Problem:
         """What is to be learnt, from which samples."""
@@ -157,29 +138,19 @@ class AutoencoderMethod(Method):
         )
         stack = chosen.stack(training.trajectories, self.every)
         straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
-        device = pick_device(training.device)
-        tensors = [
-            None
-            if self.linear == "none"
-            else torch.tensor(part, dtype=getattr(torch, self.precision), device=device)
+        device, dtype = pick_device(training.device), getattr(torch, self.precision)
+        encoder, decoder = (
+            None if self.linear == "none" else torch.tensor(part, dtype=dtype, device=device)
             for part in straight
-        ]
-        autoencoder = Autoencoder(
-            (stack.shape[-1], *self.hidden, self.latent),
-            self.activation,
-            *tensors,
-            fixed_tangent=self._modes > 0,
         )
-        return Problem(
-            chosen,
-            stack,
-            straight,
-            autoencoder,
-            self.dynamics(training, chosen, stack),
-            device,
-        )
+        sizes = (stack.shape[-1], *self.hidden, self.latent)
+        fixed = self._modes > 0
+        autoencoder = Autoencoder(sizes, self.activation, encoder, decoder, fixed_tangent=fixed)
+        dynamics = self.dynamics(training, chosen, stack)
+        return Problem(chosen, stack, straight, autoencoder, dynamics, device)
 
     def plan(self) -> Schedule:
+        """How long and how fast."""
         from vibrom.latent.training import Schedule
 
         return Schedule(
@@ -197,59 +168,44 @@ class AutoencoderMethod(Method):
         return self.latent if self.linear == "modes" else 0
 
     def model(
-        self, training: Training, problem: Problem, learnt: list[np.ndarray]
+        self,
+        training: Training,
+        problem: Problem,
+        weights: list[np.ndarray],
+        found: np.ndarray | None,
     ) -> AutoencoderRom:
-        """The model with these weights and, if dynamics were learnt with them, its coefficients."""
-        sizes, chosen = problem.autoencoder.sizes, problem.coordinates
-        parts, found = (learnt[:-1], learnt[-1]) if problem.dynamics else (learnt, None)
-        encoder_linear, decoder_linear = problem.straight
+        """The model with these weights and, if dynamics were learnt with them, coefficients."""
+        chosen, (encoder_linear, decoder_linear) = problem.coordinates, problem.straight
+        half = len(weights) // 2
         if self._modes:
-            decoder_linear = decoder_linear - slope_at_rest(
-                parts[len(sizes) - 1 :], self.activation
-            )
-        mass = dict.fromkeys(("mass_row", "mass_column", "mass_value"))
-        if training.structure:
-            entries = training.structure.mass.tocoo()
-            mass = {"mass_row": entries.row, "mass_column": entries.col, "mass_value": entries.data}
-        rom = AutoencoderRom(
-            reach=np.ones(2 * self.latent),
-            sizes=np.array(sizes),
-            weights=np.concatenate([part.ravel() for part in parts]),
+            decoder = Network(weights[half:], decoder_linear, self.activation)
+            decoder_linear = decoder_linear - decoder.slope_at_rest()
+        encoder = Network(weights[:half], encoder_linear, self.activation)
+        motion = encoder.motion(chosen.stack(training.trajectories))
+        largest = np.abs(motion[:2]).max(axis=1)
+        return AutoencoderRom(
+            reach=np.concatenate([largest[0], largest[1] * chosen.frequency]),
+            sizes=np.array(problem.autoencoder.sizes),
+            weights=np.concatenate([part.ravel() for part in weights]),
             encoder_linear=encoder_linear,
             decoder_linear=decoder_linear,
             basis=chosen.basis,
-            scale=np.float64(chosen.scale),
-            rate=np.float64(chosen.rate),
-            coefficients=np.zeros((self.latent, len(exponents(2 * self.latent, 1, self.order)))),
+            scale=chosen.scale,
+            frequency=chosen.frequency,
+            coefficients=self.coefficients(motion, found, training, chosen.frequency),
+            mass=None if training.structure is None else training.structure.mass,
             order=self.order,
             activation=self.activation,
             force_rule=self.force_rule,
             decoder_beyond=self.decoder_beyond,
-            **mass,
         )
-        motion = scaled_motion(rom, training)
-        reach = np.concatenate(
-            [np.abs(motion[0]).max(axis=0), np.abs(motion[1]).max(axis=0) * chosen.rate]
-        )
-        return replace(
-            rom, reach=reach, coefficients=self.coefficients(motion, found, training, chosen.rate)
-        )
-
-
-def scaled_motion(rom: AutoencoderRom, training: Training) -> tuple[np.ndarray, ...]:
-    """z, dz/dtau and d2z/dtau2 (samples, d) of all training data."""
-    z, first, second = rom.encode_motion(
-        *(training.joined(what) for what in ("displacement", "velocity", "acceleration"))
-    )
-    rate = float(rom.rate)
-    return z, first / rate, second / rate**2
 
 
 def fit_first_order(
-    motion: tuple[np.ndarray, ...], order: int, linear: np.ndarray | None, amplitude_power: float
+    motion: np.ndarray, order: int, linear: np.ndarray | None, amplitude_power: float
 ) -> np.ndarray:
-    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares; `linear` R0 (d, 2d) keeps the
-    second row's linear part fixed.
+    """R (2d, l) of d/dtau (z, z') = R Phi(z, z') by least squares, from z, z', z'' (3, m, d);
+    `linear` R0 (d, 2d) keeps the second row's linear part fixed.
 
     A sample weighs |(z, z')|^amplitude_power. What one coordinate leaves of the motion, the
     vibration of other modes, decays with it: errors are in proportion to the amplitude, and the
@@ -260,17 +216,10 @@ def fit_first_order(
     y, d = np.hstack([z, first]), z.shape[1]
     target = np.hstack([first, second])
     size = np.linalg.norm(y, axis=1)
-    weight = (np.maximum(size / size.max(), 1e-6) ** amplitude_power)[
-        :, None
-    ]  # a sample at rest tells nothing, and must not weigh infinitely
+    # A sample at rest says nothing, and must not weigh infinitely.
+    weight = (np.maximum(size / size.max(), 1e-6) ** amplitude_power)[:, None]
     if linear is None:
         return least_squares(weight * monomials(y, exponents(2 * d, 1, order)), weight * target)
     fixed = np.vstack([np.eye(2 * d)[d:], linear])
-    return np.hstack(
-        [
-            fixed,
-            least_squares(
-                weight * monomials(y, exponents(2 * d, 2, order)), weight * (target - y @ fixed.T)
-            ),
-        ]
-    )
+    rest = weight * monomials(y, exponents(2 * d, 2, order))
+    return np.hstack([fixed, least_squares(rest, weight * (target - y @ fixed.T))])

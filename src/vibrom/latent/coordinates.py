@@ -1,41 +1,53 @@
 """Coordinates in which training is well conditioned.
 
-    c = B' q / s,    tau = f t
+    q = s B c,    tau = f t
 
-B (n, k) orthonormal directions: the known modes first, if asked, then the proper orthogonal
+B (n, k) orthonormal directions: the known modes first, if wanted, then the proper orthogonal
 directions of what they leave of the training displacements; s [m] the root mean square displacement
 vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over s.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from vibrom.models.training import MethodError, Structure, Training, Trajectory
+from vibrom.models.training import Structure, Training, Trajectory
+
+Linear = Literal["none", "pod", "modes"]
+TimeScale = Literal["first_frequency", "none"]
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """basis (n, k) or None for the displacements themselves, scale [m], rate [1/s]."""
+    """Units of displacement and time."""
 
-    basis: np.ndarray | None
-    scale: float
-    rate: float
+    basis: np.ndarray | None  # B (n, k); None: the displacements themselves
+    scale: float  # s, m
+    frequency: float  # f, 1/s
 
     def reduce(self, q: np.ndarray) -> np.ndarray:
-        """C (*batch, k) of q (*batch, n)."""
+        """Coordinates c = B'q/s (*batch, k) of q (*batch, n)."""
         return (q if self.basis is None else q @ self.basis) / self.scale
 
-    def stack(self, trajectories: tuple[Trajectory, ...], every: int) -> np.ndarray:
+    def expand(self, c: np.ndarray) -> np.ndarray:
+        """Displacements q = s B c (*batch, n) of c (*batch, k)."""
+        return (c if self.basis is None else c @ self.basis.T) * self.scale
+
+    def directions(self, n: int) -> np.ndarray:
+        """Displacements s B (n, k) of one unit of each coordinate."""
+        return self.scale * (np.eye(n) if self.basis is None else self.basis)
+
+    def stack(self, trajectories: tuple[Trajectory, ...], every: int = 1) -> np.ndarray:
         """(3, samples, k): c, dc/dtau, d2c/dtau2 of every k-th sample of each trajectory, one after
         the other.
         """
         motions = [
             (
                 item.displacement[::every],
-                item.velocity[::every] / self.rate,
-                item.acceleration[::every] / self.rate**2,
+                item.velocity[::every] / self.frequency,
+                item.acceleration[::every] / self.frequency**2,
             )
             for item in trajectories
         ]
@@ -48,27 +60,22 @@ class Coordinates:
 
 
 def choose(
-    training: Training, *, rank: int, modes: int, scaled: bool, time_scale: str
+    training: Training, *, rank: int, modes: int, scaled: bool, time_scale: TimeScale
 ) -> Coordinates:
     """Coordinates for this training set; rank 0 keeps the displacements, `modes` directions come
     from the structure.
     """
     q = training.joined("displacement")
     scale = float(np.sqrt(np.mean(np.sum(q**2, axis=1)))) if scaled else 1.0
-    return Coordinates(
-        _basis(q, rank, known(training, modes)) if rank else None,
-        scale,
-        _rate(training, time_scale),
-    )
+    basis = _basis(q, rank, known(training, modes)) if rank else None
+    return Coordinates(basis, scale, _frequency(training, time_scale))
 
 
 def known(training: Training, modes: int) -> np.ndarray:
     """The first `modes` mode shapes (n, modes)."""
-    return (
-        training.require_structure("linear: modes").leading(modes, "latent").T
-        if modes
-        else np.zeros((training.joined("displacement").shape[1], 0))
-    )
+    if not modes:
+        return np.zeros((training.joined("displacement").shape[1], 0))
+    return training.require_structure("linear: modes").leading(modes, "latent").T
 
 
 def _basis(q: np.ndarray, rank: int, first: np.ndarray) -> np.ndarray:
@@ -82,16 +89,13 @@ def principal(q: np.ndarray, count: int) -> np.ndarray:
     """The first proper orthogonal directions (n, count) of samples (m, n)."""
     directions = np.linalg.svd(q, full_matrices=False)[2][:count]
     # The sign of a singular vector is the library's choice; the largest entry is made positive.
-    return (
-        directions
-        * np.sign(directions[np.arange(len(directions)), np.abs(directions).argmax(axis=1)])[
-            :, None
-        ]
-    ).T
+    largest = np.abs(directions).argmax(axis=1)
+    signs = np.sign(directions[np.arange(len(directions)), largest])
+    return (directions * signs[:, None]).T
 
 
 def linear_parts(
-    training: Training, chosen: Coordinates, c: np.ndarray, linear: str, latent: int
+    training: Training, chosen: Coordinates, c: np.ndarray, linear: Linear, latent: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """E (d, k) and D (k, d) of z = E c, c = D z, such that z reaches 1 in c (m, k): zero (`none`),
     the first directions (`pod`), or E = phi' M, D = phi of the first `modes`.
@@ -99,9 +103,9 @@ def linear_parts(
     if linear == "none":
         return np.zeros((latent, c.shape[1])), np.zeros((c.shape[1], latent))
     if linear == "modes":
-        modes = known(training, latent)
+        modes, structure = known(training, latent), training.require_structure("linear: modes")
         columns = chosen.reduce(modes.T).T
-        rows = chosen.reduce((training.structure.mass @ modes).T) * chosen.scale**2
+        rows = chosen.reduce((structure.mass @ modes).T) * chosen.scale**2
     else:
         columns = principal(c, latent)
         rows = columns.T
@@ -109,31 +113,23 @@ def linear_parts(
     return rows / reach[:, None], columns * reach
 
 
-def _rate(training: Training, time_scale: str) -> float:
+def _frequency(training: Training, time_scale: TimeScale) -> float:
     if time_scale == "none":
         return 1.0
-    if time_scale != "first_frequency":
-        raise MethodError(f"time_scale is {time_scale!r}; give first_frequency or none")
     if training.structure is not None:
         return float(training.structure.frequencies[0])
     # Without modes: |v| / |q|, which is the frequency for a vibration in one mode.
-    return float(
-        np.linalg.norm(training.joined("velocity"))
-        / np.linalg.norm(training.joined("displacement"))
-    )
+    velocity, displacement = training.joined("velocity"), training.joined("displacement")
+    return float(np.linalg.norm(velocity) / np.linalg.norm(displacement))
 
 
-def linear_dynamics(structure: Structure, latent: int, rate: float = 1.0) -> np.ndarray:
-    """R0 (d, 2d) of d2z/dtau2 = R0 (z, dz/dtau) for z in the first d modes: (-phi' K phi / rate^2,
-    -phi' C phi / rate).
+def linear_dynamics(structure: Structure, latent: int, frequency: float = 1.0) -> np.ndarray:
+    """R0 (d, 2d) of d2z/dtau2 = R0 (z, dz/dtau) for z in the first d modes: (-phi' K phi / f^2,
+    -phi' C phi / f).
     """
     phi = structure.leading(latent, "latent").T
-    return np.hstack(
-        [
-            -(phi.T @ (structure.stiffness @ phi)) / rate**2,
-            -(phi.T @ (structure.damping @ phi)) / rate,
-        ]
-    )
+    stiffness, damping = phi.T @ (structure.stiffness @ phi), phi.T @ (structure.damping @ phi)
+    return np.hstack([-stiffness / frequency**2, -damping / frequency])
 
 
 def static_norm(structure: Structure, chosen: Coordinates) -> np.ndarray:
@@ -141,6 +137,5 @@ def static_norm(structure: Structure, chosen: Coordinates) -> np.ndarray:
     d2c/dtau2 makes at rest, 1 for the first mode.
     """
     basis = np.eye(structure.mass.shape[0]) if chosen.basis is None else chosen.basis
-    return (
-        chosen.rate**2 * basis.T @ splu(structure.stiffness.tocsc()).solve(structure.mass @ basis)
-    )
+    static = splu(structure.stiffness.tocsc()).solve(structure.mass @ basis)
+    return chosen.frequency**2 * basis.T @ static

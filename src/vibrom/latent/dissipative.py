@@ -11,7 +11,7 @@ o z' <= 0. So an unforced motion shrinks from any start, and a forced one has no
 closed orbits need no formula; with e = a + b z'^2 they are the level sets of the energy  m z'^2/2 +
 V,  m = exp(-2 int b),  V' = -m a.
 
-Both conditions are linear in the coefficients. They are asked for on rays of the training ellipse,
+Both conditions are linear in the coefficients. They are imposed on rays of the training ellipse,
 at radii up to one and for the slope at one; beyond, with the linear continuation of
 `extrapolation`, g along a ray is affine in the radius, so they hold everywhere. The least squares
 problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems, chapter 23): with A =
@@ -21,24 +21,25 @@ QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one non-negative 
 import numpy as np
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.models.training import MethodError
+from vibrom.models.training import MethodError, Unsupported
 
-# of the turning at rest, which is one in units of the range: the softest restoring force that a fit
-# may choose
+# The softest restoring force that a fit may choose, as a fraction of the turning at rest, which is
+# one in units of the range.
 MARGIN = 0.05
 RAYS, RADII = 90, 12  # of a half ellipse; what is not mirrored by parity
 
 
 def fit_dissipative(
-    motion: tuple[np.ndarray, ...], reach: np.ndarray, scale: np.ndarray, order: int
+    motion: np.ndarray, reach: np.ndarray, scale: np.ndarray, order: int
 ) -> np.ndarray:
     """R (l,) of  z'' = sum_k R_k (z/s)^i (z'/s')^j  over all monomials 1..order, from z, z' and z''
-    (m, 1); reach and scale are (2,).
+    (3, m, 1); reach and scale are (2,).
     """
     z, velocity, acceleration = motion
     if z.shape[1] != 1:
-        raise MethodError(
-            f"a dissipative fit is for one reduced position, and this model has {z.shape[1]}; set dissipative: 0, or modes or latent to 1"
+        raise Unsupported(
+            f"a dissipative fit is for one reduced position, and this model has {z.shape[1]}; "
+            "set dissipative: 0, or modes or latent to 1"
         )
     powers, unit = exponents(2, 1, order), reach[1] ** 2 / reach[0]
     library = monomials(np.hstack([z, velocity]) / reach, powers)
@@ -58,9 +59,8 @@ def conditions(powers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ray = np.concatenate([ray, -ray])
     degree, odd = powers.sum(axis=1), powers[:, 1] % 2 == 1
     edge = monomials(ray, powers)
-    inside = [
-        edge * radius**degree / radius for radius in np.arange(1, RADII + 1) / RADII
-    ]  # over the radius, so that small ones count
+    # divided by the radius, so that small ones count
+    inside = [edge * radius**degree / radius for radius in np.arange(1, RADII + 1) / RADII]
     values = np.concatenate([*inside, edge * degree])
     z, velocity = (np.tile(part, RADII + 1)[:, None] for part in ray.T)
     damping = np.where(odd, values, 0.0) * velocity
@@ -74,9 +74,7 @@ def constrained_least_squares(
     matrix: np.ndarray, target: np.ndarray, rows: np.ndarray, bounds: np.ndarray
 ) -> np.ndarray:
     """The x with the smallest |matrix x - target| among those with  rows x <= bounds."""
-    from scipy.optimize import (
-        nnls,
-    )  # slow to import, and most jobs only ask models that are fitted already
+    from scipy.optimize import nnls  # slow to import, and most jobs fit nothing
 
     free = least_squares(matrix, target[:, None])[0]
     if np.all(rows @ free <= bounds):
@@ -94,6 +92,6 @@ def constrained_least_squares(
     weights, rest = nnls(np.vstack([g.T, h]), goal, maxiter=50 * len(g))
     residual = np.vstack([g.T, h]) @ weights - goal
     if rest < 1e-9:
-        raise MethodError("no x obeys the inequalities")
+        raise MethodError("no dissipative dynamics of this order exist; raise dissipative")
     y = -residual[:-1] / residual[-1]
     return (inverse @ (y + image)) / size

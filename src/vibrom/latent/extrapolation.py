@@ -1,5 +1,5 @@
-"""Bounded extrapolation: beyond its training range a polynomial goes on as a straight line along
-the radius.
+"""Bounded extrapolation: beyond its training range a polynomial is extrapolated linearly along the
+radius.
 
     rho_i = |(z_i / Z_i, z'_i / Z'_i)|,   c_i = (z_i, z'_i) / max(1, rho_i),   f(z) -> f(c) + Df(c)
     (z - c)
@@ -16,8 +16,17 @@ import numpy as np
 from vibrom.latent.polynomial import monomials, slopes
 
 
+def library(
+    z: np.ndarray, scale: np.ndarray, powers: np.ndarray, reach: np.ndarray | None
+) -> np.ndarray:
+    """(*batch, l): the monomials Phi(z / s), extrapolated linearly beyond `reach` where one is
+    given.
+    """
+    return monomials(z / scale, powers) if reach is None else continued(z, scale, reach, powers)
+
+
 def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """C (*batch, 2d) of z (*batch, 2d): positions, then velocities; reach (2d,)."""
+    """The c (*batch, 2d) of z (*batch, 2d): positions, then velocities; reach (2d,)."""
     d = len(reach) // 2
     square = ((z / reach) ** 2).reshape(*z.shape[:-1], 2, d).sum(axis=-2)
     # Not by a division of the radius by itself: inside, c is z to the last bit.
@@ -28,6 +37,6 @@ def drawn_back(z: np.ndarray, reach: np.ndarray) -> np.ndarray:
 def continued(
     z: np.ndarray, scale: np.ndarray, reach: np.ndarray, powers: np.ndarray
 ) -> np.ndarray:
-    """(*batch, l): the monomials Phi(z / s), continued along the radius beyond `reach`."""
+    """(*batch, l): the monomials Phi(z / s), extrapolated linearly along the radius."""
     c = drawn_back(z, reach)
     return monomials(c / scale, powers) + slopes(c / scale, powers, (z - c) / scale)

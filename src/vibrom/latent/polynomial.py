@@ -11,6 +11,8 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from vibrom.models.training import MethodError
+
 
 @lru_cache(maxsize=64)
 def exponents(dimension: int, lowest: int, highest: int) -> np.ndarray:
@@ -59,6 +61,12 @@ def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
     Columns are scaled to unit length first, so that the rank decision of the SVD does not depend on
     the units of the variables.
     """
+    samples, terms = library.shape
+    if samples < terms:
+        raise MethodError(
+            f"{terms} coefficients cannot be fitted to {samples} samples; lower the order, or give "
+            "more samples"
+        )
     size = np.linalg.norm(library, axis=0)
     size[size == 0.0] = 1.0
     solution, *_ = np.linalg.lstsq(library / size, target, rcond=None)

@@ -114,7 +114,7 @@ def _products(
         return kept[power]
 
     places = [place(power) for power in sorted(powers, key=sum)]
-    order = {power: place for power, place in zip(sorted(powers, key=sum), places)}
+    order = dict(zip(sorted(powers, key=sum), places))
     return products, [order[power] for power in powers], len(kept)
 
 

@@ -2,12 +2,9 @@
 
     z = (W q, W v),    x = D Psi(z / s),    dz/dt = R Phi(z / s) + (0, F p) u
 
-W (d, n) projects displacement and velocity, D (2n, k) and R (2d, l) are the coefficients of the
-monomials Psi and Phi, and F (d, n) maps the load: phi' for modal coordinates. s scales the
-monomials to order one, which keeps high orders well conditioned.
-
-Guards continue Psi as well as Phi beyond `reach` (`extrapolation`): a motion that holds far out
-would otherwise be decoded by a polynomial of high degree there.
+s scales the monomials to order one, which keeps high orders well conditioned. F = phi' for modal
+coordinates. Guards extrapolate Psi as well as Phi linearly beyond `reach`: a motion that stays
+finite far out would otherwise be decoded by a polynomial of high degree there.
 """
 
 from __future__ import annotations
@@ -18,92 +15,100 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibrom.latent.dissipative import fit_dissipative
-from vibrom.latent.extrapolation import continued
+from vibrom.latent.extrapolation import library
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.models.rom import Guards, Rom, array_field
-from vibrom.models.training import MethodError, Training
+from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored
+from vibrom.models.training import Training, Unsupported
 
 if TYPE_CHECKING:
-    from vibrom.solvers.reduced.field import Field
+    from vibrom.solvers.reduced.field import VectorField
 
 
 @dataclass(frozen=True)
 class PolynomialRom(Rom):
-    encoder: np.ndarray = array_field(
-        "kg0.5", "projection of displacement and of velocity", ("mode", "dof")
+    """W, s, the coefficients D and R with the exponents of their monomials, and F."""
+
+    encoder: np.ndarray = stored(  # W (d, n)
+        "kg0.5", "projection of displacement and of velocity", "mode", "dof"
     )
-    scale: np.ndarray = array_field(
-        "1",
-        "scale of the reduced coordinates in the monomials, in their own units",
-        ("coordinate",),
+    scale: np.ndarray = stored(  # s (2d,), in the unit of each coordinate
+        "1", "scale of the reduced coordinates in the monomials, in their own units", "coordinate"
     )
-    decoder: np.ndarray = array_field(
-        "1", "coefficients of the decoder, in the unit of the state", ("state", "decoder_term")
+    decoder: np.ndarray = stored(  # D (2n, k)
+        "1", "coefficients of the decoder, in the unit of the state", "state", "decoder_term"
     )
-    decoder_powers: np.ndarray = array_field(
-        "1", "exponents of the decoder's monomials", ("decoder_term", "coordinate")
+    decoder_powers: np.ndarray = stored(  # (k, 2d)
+        "1", "exponents of the decoder's monomials", "decoder_term", "coordinate"
     )
-    dynamics: np.ndarray = array_field(
-        "1",
-        "coefficients of the dynamics, in the unit of the rate",
-        ("coordinate", "dynamics_term"),
+    dynamics: np.ndarray = stored(  # R (2d, l)
+        "1", "coefficients of the dynamics, in the unit of the rate", "coordinate", "dynamics_term"
     )
-    dynamics_powers: np.ndarray = array_field(
-        "1", "exponents of the dynamics' monomials", ("dynamics_term", "coordinate")
+    dynamics_powers: np.ndarray = stored(  # (l, 2d)
+        "1", "exponents of the dynamics' monomials", "dynamics_term", "coordinate"
     )
-    force: np.ndarray | None = array_field("kg-0.5", "projection of the load", ("mode", "dof"))
-    extrapolation: str = "none"
+    force: np.ndarray | None = stored(  # F (d, n); None: loads are Unsupported
+        "kg-0.5", "projection of the load", "mode", "dof"
+    )
+    extrapolation: Extrapolation = "none"
+
+    @property
+    def _edge(self) -> np.ndarray | None:
+        return None if self.extrapolation == "none" else self.reach
 
     def encode(self, x: np.ndarray) -> np.ndarray:
+        """See Rom."""
         n = self.encoder.shape[1]
+        x = of_width(x, 2 * n, "x")
         return np.concatenate([x[..., :n] @ self.encoder.T, x[..., n:] @ self.encoder.T], axis=-1)
 
-    def _monomials(self, z: np.ndarray, powers: np.ndarray) -> np.ndarray:
-        return (
-            monomials(z / self.scale, powers)
-            if self.extrapolation == "none"
-            else continued(z, self.scale, self.reach, powers)
-        )
+    def _decoded(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        z = of_width(z, len(self.reach), "z")
+        return library(z, self.scale, self.decoder_powers, self._edge) @ rows.T
 
     def decode(self, z: np.ndarray) -> np.ndarray:
-        return self._monomials(z, self.decoder_powers) @ self.decoder.T
+        """See Rom."""
+        return self._decoded(z, self.decoder)
 
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """See Rom."""
         half = self.decoder[: len(self.decoder) // 2]
-        return self._monomials(z, self.decoder_powers) @ (half if dofs is None else half[dofs]).T
+        return self._decoded(z, half if dofs is None else half[dofs])
 
     def drift(self, z: np.ndarray) -> np.ndarray:
-        return self._monomials(z, self.dynamics_powers) @ self.dynamics.T
+        """See Rom."""
+        z = of_width(z, len(self.reach), "z")
+        return library(z, self.scale, self.dynamics_powers, self._edge) @ self.dynamics.T
 
     def _push(self, p: np.ndarray) -> np.ndarray:
         if self.force is None:
-            raise MethodError(
-                "this model was fitted without operators and knows no force map; fit it on a scene with mass and modes"
+            raise Unsupported(
+                "this model was fitted without operators and knows no force map; fit it in a scene "
+                "with mass and modes"
             )
-        modal = self.force @ p
+        modal = self.force @ of_width(p, self.force.shape[1], "p")
         return np.concatenate([np.zeros_like(modal), modal])
 
     def force_map(self, z: np.ndarray, p: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(self._push(p), z.shape)
+        """See Rom."""
+        return np.broadcast_to(self._push(p), of_width(z, len(self.reach), "z").shape)
 
-    def field(self, p: np.ndarray | None) -> Field:
+    def field(self, p: np.ndarray | None) -> VectorField:
+        """See Rom."""
         from vibrom.latent.polynomial_kernel import constant_kernel, polynomial_kernel
-        from vibrom.solvers.reduced.field import Field
+        from vibrom.solvers.reduced.field import VectorField
 
-        drift = polynomial_kernel(
-            self.scale,
-            self.dynamics_powers,
-            self.dynamics,
-            None if self.extrapolation == "none" else self.reach,
-        )
-        return Field(drift, None if p is None else constant_kernel(self._push(p)))
+        drift = polynomial_kernel(self.scale, self.dynamics_powers, self.dynamics, self._edge)
+        return VectorField(drift, None if p is None else constant_kernel(self._push(p)))
 
     def guarded(self, guards: Guards, training: Training) -> PolynomialRom:
+        """See Rom."""
         if not guards.dissipative:
             return replace(self, extrapolation=guards.extrapolation)
-        motion = tuple(
-            training.joined(what) @ self.encoder.T
-            for what in ("displacement", "velocity", "acceleration")
+        motion = np.stack(
+            [
+                training.joined(what) @ self.encoder.T
+                for what in ("displacement", "velocity", "acceleration")
+            ]
         )
         row = fit_dissipative(motion, self.reach, self.scale, guards.dissipative)
         powers = exponents(2, 1, guards.dissipative)

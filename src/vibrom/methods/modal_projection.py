@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibrom.config.kinds import Count
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.models.method import Method
@@ -18,36 +19,28 @@ from vibrom.models.training import Training
 
 @dataclass(frozen=True)
 class ModalProjection(Method):
-    modes: int = 1
-    order: int = 3
+    """See the module."""
+
+    modes: Count = 1
+    order: Count = 3  # of the polynomial dynamics
 
     def fit(self, training: Training) -> PolynomialRom:
+        """See Method."""
         structure, monitor = training.require_structure("modal_projection"), training.monitor
         with monitor.phase("mapping"):
             phi = structure.leading(self.modes)
             encoder = (structure.mass @ phi.T).T
             n, d = phi.shape[1], self.modes
-            z = np.concatenate(
-                [
-                    training.joined("displacement") @ encoder.T,
-                    training.joined("velocity") @ encoder.T,
-                ],
-                axis=1,
+            position, velocity, acceleration = (
+                training.joined(what) @ encoder.T
+                for what in ("displacement", "velocity", "acceleration")
             )
-            rate = np.concatenate([z[:, d:], training.joined("acceleration") @ encoder.T], axis=1)
+            z = np.concatenate([position, velocity], axis=1)
             decoder = np.zeros((2 * n, 2 * d))
             decoder[:n, :d] = decoder[n:, d:] = phi.T
         with monitor.phase("dynamics"):
-            reach = np.abs(z).max(axis=0)
-            powers = exponents(2 * d, 1, self.order)
+            reach, powers = np.abs(z).max(axis=0), exponents(2 * d, 1, self.order)
+            rate = np.concatenate([velocity, acceleration], axis=1)
             dynamics = least_squares(monomials(z / reach, powers), rate)
-        return PolynomialRom(
-            reach,
-            encoder,
-            reach,
-            decoder * reach,
-            np.eye(2 * d, dtype=np.int64),
-            dynamics,
-            powers,
-            phi,
-        )
+        one = np.eye(2 * d, dtype=np.int64)
+        return PolynomialRom(reach, encoder, reach, decoder * reach, one, dynamics, powers, phi)

@@ -1,7 +1,7 @@
 """Autoencoder and dynamics together, nothing known beforehand.
 
-    min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,    z =
-    w(q)
+    min |q - v(z)|^2 + l1 |q'' - d2/dt2 v(z)|^2 + l2 |z'' - Xi Theta(z, z')|^2 + l3 |Xi|_1,
+    z = w(q)
 
 Theta holds all monomials 1..p and no constant; l1 = acceleration_full |q|^2/|q''|^2, and so l2 and
 `acceleration_reduced`. Needs no operators. The weights are small: one coordinate follows the
@@ -15,25 +15,31 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibrom.config.kinds import NonNegative, Positive
 from vibrom.latent.autoencoder_method import AutoencoderMethod
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.polynomial import exponents
 from vibrom.models.training import Training
 
 if TYPE_CHECKING:
-    from vibrom.latent.training import Dynamics
+    from vibrom.latent.learner import Dynamics
 
 
 @dataclass(frozen=True)
 class SindyAutoencoder(AutoencoderMethod):
-    acceleration_full: float = 0.01
-    acceleration_reduced: float = 0.1
-    sparsity: float = 0.0  # l3
+    """See the module."""
+
+    acceleration_full: NonNegative = 0.01  # times |q|^2/|q''|^2: weight of the acceleration error
+    acceleration_reduced: NonNegative = 0.1  # the same in reduced coordinates
+    sparsity: NonNegative = 0.0  # weight of the sum of the coefficients' sizes
     first_coefficient: float = 0.0  # of every monomial, before training
-    coefficient_gain: float = 10.0  # learning rate of the coefficients over that of the weights
+    # learning rate of the coefficients over that of the weights: the linear ones have the longest
+    # way to go
+    coefficient_gain: Positive = 10.0
 
     def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics:
-        from vibrom.latent.training import Dynamics
+        """See AutoencoderMethod."""
+        from vibrom.latent.learner import Dynamics
 
         balance = float(np.sum(stack[0] ** 2) / np.sum(stack[2] ** 2))
         return Dynamics(
@@ -48,9 +54,10 @@ class SindyAutoencoder(AutoencoderMethod):
 
     def coefficients(
         self,
-        motion: tuple[np.ndarray, ...],
+        motion: np.ndarray,
         learnt: np.ndarray | None,
         training: Training,
-        rate: float,
+        frequency: float,
     ) -> np.ndarray:
+        """See AutoencoderMethod."""
         return learnt

@@ -1,78 +1,70 @@
 """SPLIT: autoencoder and dynamics together, with the linear part known.
 
-    min |q - v(z)|^2 + l1 |G (q'' - d2/dt2 v(z))|^2 + l2 |z'' - f(z, z')|^2,    f = R0 (z, z') + Xi
-    Theta(z, z'),    z = w(q)
+    min |q - v(z)|^2 + l1 |G (q'' - d2/dt2 v(z))|^2 + l2 |z'' - f(z, z')|^2,
+    f = R0 (z, z') + Xi Theta(z, z'),    z = w(q)
 
 R0 = (-phi' K phi, -phi' C phi) of the first d modes; Theta holds the monomials 2..p; l2 =
 acceleration_reduced |q|^2/|q''|^2. `acceleration_norm` says in what G measures accelerations:
 `static` by the displacement that their inertia makes, G = K^-1 M and l1 = acceleration_full;
 `plain` as they are, G = 1 and l1 = acceleration_full |q|^2/|q''|^2. Of a mode of frequency w the
 static norm sees 1/w^2: the vibration of higher modes, which one coordinate cannot follow, dominates
-accelerations and is next to nothing as a displacement.
+accelerations but contributes negligibly to the displacement.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from vibrom.config.kinds import NonNegative, Positive
 from vibrom.latent.autoencoder_method import AutoencoderMethod
-from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates, linear_dynamics, static_norm
 from vibrom.latent.polynomial import exponents
-from vibrom.models.training import MethodError, Training
+from vibrom.models.training import Training
 
 if TYPE_CHECKING:
-    from vibrom.latent.training import Dynamics
+    from vibrom.latent.learner import Dynamics
 
 
 @dataclass(frozen=True)
 class Split(AutoencoderMethod):
-    linear: str = "modes"
-    decoder_beyond: str = "tangent"
-    acceleration_norm: str = "static"
-    acceleration_full: float = 0.1
-    acceleration_reduced: float = 0.3
+    """See the module."""
+
+    linear: Literal["none", "pod", "modes"] = "modes"
+    # the network itself flattens out where there are no data
+    decoder_beyond: Literal["network", "tangent"] = "tangent"
+    acceleration_norm: Literal["static", "plain"] = "static"
+    # weight of the acceleration error; plain: times |q|^2/|q''|^2
+    acceleration_full: NonNegative = 0.1
+    acceleration_reduced: NonNegative = 0.3  # the same in reduced coordinates, times |q|^2/|q''|^2
     first_coefficient: float = 0.0  # of every monomial, before training
-    coefficient_gain: float = 1.0  # learning rate of the coefficients over that of the weights
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.acceleration_norm not in ("static", "plain"):
-            raise MethodError(
-                f"acceleration_norm is {self.acceleration_norm!r}; give static or plain"
-            )
-
-    def fit(self, training: Training) -> AutoencoderRom:
-        training.require_structure("split")
-        return super().fit(training)
+    coefficient_gain: Positive = 1.0  # learning rate of the coefficients over that of the weights
 
     def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics:
-        from vibrom.latent.training import Dynamics
+        """See AutoencoderMethod."""
+        from vibrom.latent.learner import Dynamics
 
-        linear = linear_dynamics(training.structure, self.latent, chosen.rate)
+        structure, static = training.require_structure("split"), self.acceleration_norm == "static"
         balance = float(np.sum(stack[0] ** 2) / np.sum(stack[2] ** 2))
-        norm = (
-            static_norm(training.structure, chosen) if self.acceleration_norm == "static" else None
-        )
         return Dynamics(
-            linear,
+            linear_dynamics(structure, self.latent, chosen.frequency),
             exponents(2 * self.latent, 2, self.order),
             self.first_coefficient,
             self.coefficient_gain,
-            self.acceleration_full * (1.0 if norm is not None else balance),
+            self.acceleration_full * (1.0 if static else balance),
             self.acceleration_reduced * balance,
-            0.0,
-            norm,
+            norm=static_norm(structure, chosen) if static else None,
         )
 
     def coefficients(
         self,
-        motion: tuple[np.ndarray, ...],
+        motion: np.ndarray,
         learnt: np.ndarray | None,
         training: Training,
-        rate: float,
+        frequency: float,
     ) -> np.ndarray:
-        return np.hstack([linear_dynamics(training.structure, self.latent, rate), learnt])
+        """See AutoencoderMethod."""
+        known = linear_dynamics(training.require_structure("split"), self.latent, frequency)
+        return np.hstack([known, learnt])

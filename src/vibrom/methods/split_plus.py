@@ -1,4 +1,4 @@
-"""SPLIT+: the coordinates of a fitted SPLIT, with first-order dynamics fitted anew.
+"""SPLIT+: the coordinates of a fitted SPLIT, with first-order dynamics fitted again.
 
     d/dt (z, z') = R0 (z, z') + R Phi(z, z')
 
@@ -7,9 +7,11 @@ motion, every amplitude alike (`amplitude_power`).
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
-from vibrom.latent.autoencoder_method import fit_first_order, scaled_motion
-from vibrom.latent.autoencoder_rom import RULES, AutoencoderRom
+from vibrom.config.kinds import Count
+from vibrom.latent.autoencoder_method import fit_first_order
+from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import linear_dynamics
 from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
@@ -17,28 +19,28 @@ from vibrom.models.training import MethodError, Training
 
 @dataclass(frozen=True)
 class SplitPlus(Method):
-    order: int = 3  # p
-    force_rule: str = "decoder"
-    amplitude_power: float = -1.0  # of a sample's weight
+    """See the module."""
 
-    def __post_init__(self) -> None:
-        if self.force_rule not in RULES:
-            raise MethodError(f"force_rule is {self.force_rule!r}; give one of {', '.join(RULES)}")
-        if self.order < 1:
-            raise MethodError(f"order is {self.order}; give 1 or more")
+    order: Count = 3  # of the polynomial dynamics
+    # decoder_mass: virtual work, right for any load; decoder: equation 2.16 of the thesis, and
+    # encoder, which are right for loads proportional to the mass times the motion
+    force_rule: Literal["decoder_mass", "decoder", "encoder"] = "decoder_mass"
+    # a sample of the least squares weighs |(z, z')| to this power: -1 every amplitude alike, as
+    # errors grow with it; 0 every sample alike
+    amplitude_power: float = -1.0
 
     def fit(self, training: Training) -> AutoencoderRom:
-        start = training.start
+        """See Method."""
+        start, structure = training.start, training.require_structure("split_plus")
         if not isinstance(start, AutoencoderRom):
             raise MethodError(
-                f"split_plus starts from a fitted autoencoder, and was given {type(start).__name__}; set starts_from: split"
+                "split_plus starts from a fitted autoencoder, and was given "
+                f"{type(start).__name__}; set starts_from: split"
             )
         with training.monitor.phase("dynamics"):
-            linear = linear_dynamics(
-                training.require_structure("split_plus"), start.latent, float(start.rate)
-            )
+            linear = linear_dynamics(structure, start.latent, start.frequency)
             coefficients = fit_first_order(
-                scaled_motion(start, training), self.order, linear, self.amplitude_power
+                start.encoded(training), self.order, linear, self.amplitude_power
             )
         return replace(
             start, coefficients=coefficients, order=self.order, force_rule=self.force_rule

@@ -1,8 +1,8 @@
 """SSMLearn: a spectral submanifold as a graph over its modal coordinates, with known linear
 dynamics.
 
-    z = W0 x,    x = V0 z + v(z),    dz/dt = R0 z + r(z),    W0 = diag(phi' M, phi' M),  V0 =
-    diag(phi, phi)
+    z = W0 x,    x = V0 z + v(z),    dz/dt = R0 z + r(z),
+    W0 = diag(phi' M, phi' M),  V0 = diag(phi, phi)
 
 v and r hold the monomials of degree 2 and up of (z, z'), by least squares; R0 is the modal
 projection of the linear operators. Source: Cenedese, Axas, Bauerlein, Avila, Haller, Nature
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibrom.config.kinds import Count
 from vibrom.latent.coordinates import linear_dynamics
 from vibrom.latent.polynomial import exponents
 from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder
@@ -22,11 +23,14 @@ from vibrom.models.training import Training
 
 @dataclass(frozen=True)
 class SsmLearn(Method):
-    modes: int = 1
-    order_decoder: int = 3
-    order_dynamics: int = 3
+    """See the module."""
+
+    modes: Count = 1
+    order_decoder: Count = 3
+    order_dynamics: Count = 3
 
     def fit(self, training: Training) -> PolynomialRom:
+        """See Method."""
         structure, monitor = training.require_structure("ssmlearn"), training.monitor
         phi = structure.leading(self.modes)
         encoder, (d, n) = (structure.mass @ phi.T).T, phi.shape

@@ -7,7 +7,7 @@ they are left alone; instants that are watched lie on those steps.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,9 @@ from vibrom.models.recorded import damped_frequency
 from vibrom.solvers.full.newmark import Motion as SolverMotion
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
+
+if TYPE_CHECKING:
+    from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
 ON_STEP = 1e-6  # of a step: farther from one an instant is not on the grid
 
@@ -38,6 +41,10 @@ class FullOrder:
     poles: np.ndarray  # complex, 1/s, of small motions about the rest state
     rest: np.ndarray  # (n,) m, equilibrium under the dead load
     title: str = "full order"  # for the progress bar
+    # Where each displacement is (n, 2) [m] and along which axis (n,), where that is known: a body
+    # that is its own mirror image has motions that half a period decides.
+    place: np.ndarray | None = None
+    axis: np.ndarray | None = None
 
     @classmethod
     def of_scene(cls, scene: dict[str, Any], known: xr.Dataset) -> FullOrder:
@@ -57,6 +64,8 @@ class FullOrder:
             poles=np.concatenate([omega * (-zeta + root), omega * (-zeta - root)]),
             rest=known["equilibrium"].values if "equilibrium" in known else np.zeros(body.size),
             title=str(known.attrs["scene"]),
+            place=body.dof_location,
+            axis=body.dof_axis,
         )
 
     @property
@@ -86,6 +95,22 @@ class FullOrder:
     def eigenvalues(self) -> np.ndarray:
         """Omega (-zeta +- sqrt(zeta^2 - 1)) of its modes [1/s]."""
         return self.poles
+
+    def return_map(self) -> NewmarkMap:
+        """See `Model.return_map`."""
+        from vibrom.solvers.periodic.newmark_map import NewmarkMap
+        from vibrom.solvers.periodic.symmetry import candidates, holds
+
+        mirrors = candidates(self.place, self.axis, self.size)
+        return NewmarkMap(
+            term=self.term,
+            newmark=self.newmark,
+            steps_per_period=self.steps_per_period,
+            frequency=self.frequency,
+            probes=self.probes,
+            rest=self.rest,
+            symmetry=next((mirror for mirror in mirrors if holds(mirror, self.term)), None),
+        )
 
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
         """See `Model.motion`. Raises ValueError where an instant does not lie on a step."""

@@ -14,6 +14,8 @@ from typing import Protocol
 
 import numpy as np
 
+from vibrom.solvers.periodic.maps import ReturnMap
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -70,4 +72,8 @@ class Model(Protocol):
 
     def eigenvalues(self) -> np.ndarray:
         """Eigenvalues [1/s] of small motions about the rest state."""
+        ...
+
+    def return_map(self) -> ReturnMap:
+        """What periodic motions under the scene's load are fixed points of."""
         ...

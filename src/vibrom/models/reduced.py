@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -13,6 +14,9 @@ from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
 from vibrom.models.rollout import Integrator, decode_displacement, rollout
 from vibrom.models.rom import Rom
+
+if TYPE_CHECKING:
+    from vibrom.solvers.periodic.flow_map import FlowMap
 
 JACOBIAN_STEP = 1e-5  # of the training range: differences of a cubic drift are exact to about 1e-10
 
@@ -72,6 +76,22 @@ class Reduced:
         seconds = time.perf_counter() - began
         outcome = np.array(run.outcome, dtype=object)
         return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, seconds)
+
+    def return_map(self) -> FlowMap:
+        """See `Model.return_map`."""
+        from vibrom.solvers.periodic.flow_map import FlowMap
+
+        rom = self.rom
+        return FlowMap(
+            field=rom.field(self.load),
+            drift=rom.drift,
+            force=lambda z: rom.force_map(z, self.load),
+            encode=rom.encode,
+            decode=rom.decode,
+            displacement=lambda z: rom.displacement(z, self.probes),
+            reach=rom.reach,
+            frequency=self.frequency,
+        )
 
     def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of coordinates (*batch, r)."""

@@ -1,66 +1,75 @@
 """Simulating a reduced-order model: decays, forced responses and sweeps are this one function of
 its four.
+
+    dz/dt = drift(z) + force_map(z, p) a sin(w t)
 """
 
 from __future__ import annotations
 
+import pkgutil
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from msgspec import Meta
 
+from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Stepper, Tolerance
 from vibrom.models.rom import Rom
 from vibrom.models.training import MethodError
+from vibrom.solvers.reduced import steppers
 
-LIMIT = 10.0  # times the training range: beyond it a run has diverged
-# times the training range: beyond it a run has left the range; the margin covers the training
-# data's own sampling
+if TYPE_CHECKING:
+    from vibrom.solvers.reduced.field import VectorField
+
+LIMIT = 10.0  # of the training range: beyond it a run has diverged
+# of the training range: beyond it a run has left the range; the margin covers the training data's
+# own sampling
 MARGIN = 1.01
-
-# of 1/omega: a twentieth of what the method takes later, and the mean step below which a run crawls
-FIRST_STEP = 0.05
 
 
 @dataclass(frozen=True)
 class Integrator:
-    """rtol relative; atol as a fraction of the training range of each reduced coordinate. `dop853`
-    chooses its steps by them; `gauss`, which is implicit, takes `steps` equal ones to a period of
-    the fastest reduced coordinate, and iterates to them.
-    """
+    """A method of `solvers.reduced.steppers` and what it goes by."""
 
-    rtol: float = 1e-8
-    atol: float = 1e-10
-    method: str = "dop853"
-    steps: int = 40
+    rtol: Tolerance = 1e-8  # of the state: the error of a step, or of an implicit one's iteration
+    atol: Tolerance = 1e-10  # likewise, of the training range of each reduced coordinate
+    method: Stepper = "dop853"
+    # to a period of the fastest reduced coordinate, of methods that take equal steps
+    steps: Annotated[int, Meta(ge=2)] = 40
 
     def __post_init__(self) -> None:
-        if self.method not in ("dop853", "gauss"):
-            raise MethodError(f"integrator.method is {self.method!r}; give dop853 or gauss")
+        known = sorted(module.name for module in pkgutil.iter_modules(steppers.__path__))
+        if self.method not in known:
+            raise MethodError(f"integrator.method is {self.method!r}; give {' or '.join(known)}")
+        for name in ("rtol", "atol", "steps"):
+            if not 0 < getattr(self, name) < np.inf:
+                value = getattr(self, name)
+                raise MethodError(f"integrator.{name} is {value!r}; give a positive number")
 
 
 @dataclass(frozen=True)
 class Drive:
-    """The load p (n,) [N] times amplitude sin(frequency t), one amplitude and one angular frequency
-    [rad/s] for each of the b runs.
-    """
+    """The load times a sin(w t) in each of b runs."""
 
-    load: np.ndarray
-    amplitude: np.ndarray
-    frequency: np.ndarray
+    load: np.ndarray  # p (n,) [N] per unit of the signal
+    amplitude: np.ndarray  # a (b,) in the unit of the signal
+    frequency: np.ndarray  # w (b,) [rad/s]
 
 
 @dataclass(frozen=True)
 class Rollout:
-    """reduced (b, m, r), NaN after a failure; outcome and failed_at [s] of each run (or when it
-    left the training range); range_ratio (b,): the largest |z| over the largest in the training
-    data; seconds of wall time.
-    """
+    """The motion of a reduced model in b runs."""
 
-    reduced: np.ndarray
-    outcome: list[str]
-    failed_at: np.ndarray
-    range_ratio: np.ndarray
-    seconds: float
+    reduced: np.ndarray  # (b, m, r), NaN after a failure
+    outcome: list[Outcome]  # (b,)
+    failed_at: np.ndarray  # (b,) [s], or when the run left the training range; NaN where it is ok
+    range_ratio: np.ndarray  # (b,) the largest |z| over the largest in the training data
+    seconds: float  # of wall time
 
 
 def rollout(
@@ -70,71 +79,62 @@ def rollout(
     integrator: Integrator,
     drive: Drive | None = None,
 ) -> Rollout:
-    """Z from `start` (b, r) at t = 0, sampled at `times` (b, m) [s]; the fastest reduced coordinate
-    sets the first step.
-    """
-    field = rom.field(None if drive is None else drive.load)
-    # Reaches of z and of dz/dt differ by the frequency of the motion: their ratio is a time scale.
-    tempo = float(np.min(rom.reach[: len(rom.reach) // 2] / rom.reach[len(rom.reach) // 2 :]))
-    settings = dict(
-        rtol=integrator.rtol,
-        atol=integrator.atol * rom.reach,
-        reach=MARGIN * rom.reach,
-        limit=LIMIT * rom.reach,
-    )
-    steps = dict(
-        first_step=FIRST_STEP * tempo, max_steps=int(times.max() / (FIRST_STEP * tempo)) + 1000
-    )
-    forcing = {} if drive is None else {"amplitude": drive.amplitude, "frequency": drive.frequency}
-    # Imported here: half of what a job without a rollout would spend on imports.
-    if integrator.method == "gauss":
-        from vibrom.solvers.reduced.gauss import integrate
+    """z from `start` (b, r) at t = 0, sampled at `times` (b, m) ascending [s].
 
-        if field is None:
-            raise MethodError(
-                f"integrator.method gauss needs compiled code, and {type(rom).__name__} has none (Rom.field); set method: dop853"
-            )
+    Raises ArgumentError, a ValueError, where a shape or a value cannot be meant.
+    """
+    # Imported here: half of what a job without a rollout would spend on imports.
+    from vibrom.solvers.reduced import records
+    from vibrom.solvers.reduced.integrate import integrate
+
+    reach = rom.reach
+    stepper = import_module(f"{steppers.__name__}.{integrator.method}").stepper(
+        _time_scale(reach), integrator.steps
+    )
+    forcing = None if drive is None else records.Forcing(drive.amplitude, drive.frequency)
+    with _field(rom, drive) as field:
         began = time.perf_counter()
         solution = integrate(
-            field, start, times, **settings, **forcing, step=2 * np.pi * tempo / integrator.steps
+            stepper,
+            field,
+            start,
+            times,
+            records.Tolerance(integrator.rtol, integrator.atol * reach),
+            records.Bounds(MARGIN * reach, LIMIT * reach),
+            forcing,
         )
-    elif field is None:
-        from vibrom.solvers.reduced.dop853 import integrate
-
-        began = time.perf_counter()
-        solution = integrate(_numpy_field(rom, drive), start, times, **settings, **steps)
-    else:
-        from vibrom.solvers.reduced.dop853_loop import integrate
-
-        began = time.perf_counter()
-        solution = integrate(field, start, times, **settings, **steps, **forcing)
+        seconds = time.perf_counter() - began
     outcome, failed_at = (
-        list(solution.outcome),
-        np.where(solution.outcome == "ok", np.nan, solution.ended_at),
+        solution.outcome,
+        np.where(solution.ending == records.OK, np.nan, solution.ended_at),
     )
-    for index, word in enumerate(outcome):
-        if word == "ok" and not np.isnan(solution.left_at[index]):
-            outcome[index], failed_at[index] = "left_range", solution.left_at[index]
-    return Rollout(
-        solution.samples,
-        outcome,
-        failed_at,
-        (solution.peak / rom.reach).max(axis=1),
-        time.perf_counter() - began,
-    )
+    for run in np.flatnonzero(np.isnan(failed_at) & ~np.isnan(solution.left_at)):
+        outcome[run], failed_at[run] = Outcome.LEFT_RANGE, solution.left_at[run]
+    ratio = (solution.peak / reach).max(axis=1)
+    return Rollout(solution.samples, outcome, failed_at, ratio, seconds)
 
 
-def _numpy_field(rom: Rom, drive: Drive | None):
-    """dz/dt of the runs that are still going, from the four functions alone."""
+def _time_scale(reach: np.ndarray) -> float:
+    """1/w [s] of the fastest reduced coordinate: the ranges of z and of dz/dt differ by the
+    frequency of the motion.
+    """
+    d = len(reach) // 2
+    return float(np.min(reach[:d] / reach[d:]))
 
-    def free(t, z, run):
-        return rom.drift(z)
 
-    def driven(t, z, run):
-        signal = drive.amplitude[run] * np.sin(drive.frequency[run] * t)
-        return rom.drift(z) + rom.force_map(z, drive.load) * signal[:, None]
+@contextmanager
+def _field(rom: Rom, drive: Drive | None) -> Iterator[VectorField]:
+    """The compiled field of the model, or one that calls its `drift` and `force_map`."""
+    from vibrom.solvers.reduced.functions import field_of
 
-    return free if drive is None else driven
+    load = None if drive is None else drive.load
+    compiled = rom.field(load)
+    if compiled is not None:
+        yield compiled
+        return
+    force = None if drive is None else lambda z: rom.force_map(z, drive.load)
+    with field_of(len(rom.reach), rom.drift, force) as field:
+        yield field
 
 
 def decode_displacement(

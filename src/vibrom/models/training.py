@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -34,12 +36,12 @@ class Trajectory:
 
     @property
     def state(self) -> np.ndarray:
-        """X (m, 2n)."""
+        """Displacement, then velocity (m, 2n)."""
         return np.concatenate([self.displacement, self.velocity], axis=-1)
 
     @property
     def rate(self) -> np.ndarray:
-        """dx/dt (m, 2n)."""
+        """Velocity, then acceleration (m, 2n)."""
         return np.concatenate([self.velocity, self.acceleration], axis=-1)
 
 
@@ -65,25 +67,54 @@ class Structure:
         return self.modes[:count]
 
 
-class Monitor:
-    """Callbacks of a fit; this one does nothing. Steps give one that shows progress and keeps
-    checkpoints.
-    """
+class Monitor(ABC):
+    """The clock of a fit, and callbacks while it runs."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}  # wall time of each phase that has ended
+        self._began: dict[str, float] = {}  # instant at which a running phase began
 
     @contextmanager
     def phase(self, name: str) -> Iterator[None]:
-        """Marks the time spent on the `mapping` or on the `dynamics`."""
-        yield
+        """Adds to the time of a phase: `mapping` or `dynamics`, which a method marks, or `total`,
+        which `Method.learn` marks.
+        """
+        self._began[name] = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] = self.spent(name)
+            del self._began[name]
 
+    def spent(self, name: str) -> float:
+        """Seconds of a phase until now."""
+        running = perf_counter() - self._began[name] if name in self._began else 0.0
+        return self.seconds.get(name, 0.0) + running
+
+    @abstractmethod
     def epoch(self, epoch: int, epochs: int, losses: dict[str, float]) -> None:
         """One row of the loss history."""
 
+    @abstractmethod
     def restore(self) -> dict[str, Any] | None:
         """The last state given to `checkpoint`, if a fit was interrupted."""
-        return None
 
+    @abstractmethod
     def checkpoint(self, state: dict[str, Any]) -> None:
         """Keep `state` (arrays, numbers, strings) in case the fit is interrupted."""
+
+
+class Clock(Monitor):
+    """Times the phases and does nothing else."""
+
+    def epoch(self, epoch: int, epochs: int, losses: dict[str, float]) -> None:
+        """See Monitor."""
+
+    def restore(self) -> None:
+        """See Monitor."""
+
+    def checkpoint(self, state: dict[str, Any]) -> None:
+        """See Monitor."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +126,16 @@ class Training:
     seed: int | None = None
     device: str = "cpu"
     start: object = None  # the fitted Rom of the method that this one starts from
-    monitor: Monitor = field(default_factory=Monitor)
+    monitor: Monitor = field(default_factory=Clock)
+
+    def __post_init__(self) -> None:
+        if not any(np.any(item.displacement) for item in self.trajectories):
+            raise MethodError(
+                "the training data hold no motion: every displacement is zero; release the body "
+                "away from rest, or list an effect that brings a load"
+            )
+        if not all(np.isfinite(item.acceleration).all() for item in self.trajectories):
+            raise MethodError("the training data are not finite; leave out what is not")
 
     def joined(self, what: str) -> np.ndarray:
         """`displacement`, `velocity`, `acceleration`, `state` or `rate` of all trajectories, one

@@ -1,47 +1,105 @@
-"""The datasets of a run, found by scene, model, seed and name, and opened only when a table or
-figure asks for them.
+"""The datasets of a run by scene, model, seed and name, each opened when it is needed.
 
-A model is `full_order` or a method's name; a seed is the name of its folder: `seed_0`, `seed_1`,
-... or `unseeded`.
+Whose an artefact is, it says itself: its path means nothing here.
 """
 
-import json
-from collections.abc import Callable, Mapping
+from __future__ import annotations
 
+import json
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
+
+import netCDF4
 import numpy as np
 import xarray as xr
 
-FULL_ORDER = "full_order"
-UNSEEDED = "unseeded"
+from vibrom.artefacts.data import UNSEEDED, open_dataset
+from vibrom.artefacts.files import DataError
+from vibrom.artefacts.outcome import Outcome
 
-Key = tuple[str, str, str, str]  # scene, model, seed, name of the artefact
+FULL_ORDER = "full_order"
+OPEN = 64  # datasets that are kept in memory
+
+
+class Key(NamedTuple):
+    """Whose an artefact is, and what."""
+
+    scene: str
+    model: str  # full_order, or a method
+    seed: int | None  # None: of a model that is fitted once
+    name: str  # the kind of the dataset; of a decay its role, train or test
 
 
 class Collection:
+    """The datasets of a run."""
+
     def __init__(self, loaders: Mapping[Key, Callable[[], xr.Dataset]]):
         self.loaders = dict(loaders)
+        self._open = lru_cache(OPEN)(lambda key: self.loaders[key]())
+
+    @classmethod
+    def at(cls, paths: Iterable[str]) -> Collection:
+        """The artefacts at these paths, in their order."""
+        loaders = {}
+        for path in paths:
+            attributes = attributes_of(path)
+            seed = int(attributes["seed"])
+            name = attributes.get("role", attributes["kind"])
+            model = None if seed == UNSEEDED else seed
+            key = Key(attributes["scene"], attributes["method"], model, name)
+            loaders[key] = partial(open_dataset, path, attributes["kind"])
+        return cls(loaders)
 
     @property
     def scenes(self) -> list[str]:
-        return list(dict.fromkeys(key[0] for key in self.loaders))
+        """In the order of the run."""
+        return list(dict.fromkeys(key.scene for key in self.loaders))
 
     @property
     def methods(self) -> list[str]:
         """Reduced models, in the order of the run."""
-        return [
-            model for model in dict.fromkeys(key[1] for key in self.loaders) if model != FULL_ORDER
-        ]
+        models = dict.fromkeys(key.model for key in self.loaders)
+        return [model for model in models if model != FULL_ORDER]
 
-    def seeds(self, scene: str, method: str) -> list[str]:
-        return list(dict.fromkeys(key[2] for key in self.loaders if key[:2] == (scene, method)))
+    @property
+    def models(self) -> list[tuple[str, str]]:
+        """Each scene with the full order, then with each method."""
+        return [(scene, model) for scene in self.scenes for model in (FULL_ORDER, *self.methods)]
 
-    def find(self, scene: str, model: str, name: str, seed: str = UNSEEDED) -> xr.Dataset | None:
+    def seeds(self, scene: str, model: str) -> list[int | None]:
+        """Those of a model in a scene; one None where it is fitted once."""
+        return list(dict.fromkeys(key.seed for key in self.loaders if key[:2] == (scene, model)))
+
+    def find(self, scene: str, model: str, name: str, seed: int | None = None) -> xr.Dataset | None:
         """The dataset, or None where the run has none."""
-        loader = self.loaders.get((scene, model, seed, name))
-        return None if loader is None else loader()
+        key = Key(scene, model, seed, name)
+        return self._open(key) if key in self.loaders else None
+
+    def every(self, scene: str, model: str, name: str) -> list[xr.Dataset | None]:
+        """The dataset of each seed."""
+        return [self.find(scene, model, name, seed) for seed in self.seeds(scene, model)]
 
 
-def scalar(dataset: xr.Dataset | None, name: str, default=np.nan):
+def attributes_of(path: str) -> dict[str, Any]:
+    """The attributes of an artefact, without its data."""
+    try:
+        with netCDF4.Dataset(path) as file:
+            found = {name: file.getncattr(name) for name in file.ncattrs()}
+    except OSError as error:
+        raise DataError(
+            f"{path}: not a readable netCDF file ({error}); delete it and run again"
+        ) from error
+    missing = [name for name in ("scene", "method", "seed", "kind") if name not in found]
+    if missing:
+        raise DataError(
+            f"{path}: not an artefact of a run, as it has no attribute {', '.join(missing)}; "
+            "give files that the workflow made"
+        )
+    return found
+
+
+def scalar(dataset: xr.Dataset | None, name: str, default: Any = np.nan) -> Any:
     """A scalar variable or attribute as a plain number or text."""
     if dataset is None:
         return default
@@ -50,18 +108,21 @@ def scalar(dataset: xr.Dataset | None, name: str, default=np.nan):
     return dataset.attrs.get(name, default)
 
 
-def described(dataset: xr.Dataset, block: str) -> dict:
-    """A block of the scene that a structure carries as an attribute: `body`, `effects`; empty where
+def outcome(dataset: xr.Dataset | None) -> Outcome:
+    """How a run or a fit ended; one that has no such word ended as asked."""
+    return Outcome.NOT_RUN if dataset is None else Outcome(str(scalar(dataset, "outcome", "ok")))
+
+
+def described(dataset: xr.Dataset | None, block: str) -> dict:
+    """A block of the scene that an artefact carries as an attribute: `body`, `effects`; empty where
     it does not.
     """
-    return json.loads(dataset.attrs.get(block, "{}"))
+    return {} if dataset is None else json.loads(dataset.attrs.get(block, "{}"))
 
 
 def answered(dataset: xr.Dataset | None) -> bool:
-    """Whether there are values; a model that could not be fitted leaves a dataset with an outcome
-    and nothing else.
-    """
-    return dataset is not None and "nothing" not in dataset.dims
+    """Are there values? A model that could not be fitted leaves an outcome and nothing else."""
+    return dataset is not None and bool(dataset.attrs.get("answered", True))
 
 
 def probe_name(dataset: xr.Dataset) -> str:
@@ -71,9 +132,16 @@ def probe_name(dataset: xr.Dataset) -> str:
 
 
 def at_probe(dataset: xr.Dataset, name: str, probe: str | None = None) -> np.ndarray | None:
-    """One variable at one probe (default: the thesis's); None where that probe does not exist."""
-    if "probe" not in dataset.coords:
+    """One variable at one probe (default: the thesis's); None where that does not exist."""
+    if "probe" not in dataset.coords or name not in dataset:
         return None
     probe = probe or probe_name(dataset)
-    names = [str(known) for known in dataset["probe"].values]
-    return dataset[name].values[names.index(probe)] if name in dataset and probe in names else None
+    if probe not in dataset["probe"].values:
+        return None
+    return dataset[name].sel(probe=probe).values
+
+
+def probe_dof(structure: xr.Dataset, probe: str) -> int | None:
+    """The free displacement of a probe; None where the scene has no such probe."""
+    dof = at_probe(structure, "probe_dof", probe)
+    return None if dof is None else int(dof)

@@ -2,128 +2,123 @@
 lies.
 """
 
-import io
+from __future__ import annotations
 
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
 import pandas as pd
 from rich.console import Console
-from rich.table import Table
+from rich.table import Table as Grid
 
+from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.report.collection import FULL_ORDER
-from vibrom.report.presentation import GONE, number
-from vibrom.thesis import published as thesis
+from vibrom.report.columns import GONE, Row, missing, number
+from vibrom.report.table import Table
+from vibrom.thesis.labels import label
 
 FOOTNOTE = "* outside the range of its training data"
-OFFLINE = ["generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s"]
+OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
+TABLES = ("decay", "forced", "run_times", "checks")  # that the headline is made of
+WIDTH = 100
 
 
-def errors(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a model, one column a case: `median (thesis)`, or the outcome where the median seed
-    failed.
-    """
-    ours = table[table["method"] != FULL_ORDER]
-    cells = {}
-    for _, row in ours.iterrows():
-        printed = row["thesis_outcome"]
-        verdict = (
-            printed if isinstance(printed, str) and printed else number(row["thesis_percent"], 3)
-        )
-        value, star, mark = str(row["outcome"]).replace("_", " "), "", ""
-        if pd.notna(row["nmte_percent"]):
-            value, (star, mark) = number(row["nmte_percent"], 3), ending(str(row["outcome"]))
-        printed = "" if verdict == GONE else f" ({verdict})"
-        cells[(row["method"], row["case"])] = f"{value}{star}{printed}{mark}"
-    return grid(ours, cells)
+def grid(rows: Sequence[Row], cell: Callable[[Row], str]) -> pd.DataFrame:
+    """One row a method, one column a case."""
+    ours = [row for row in rows if row["method"] != FULL_ORDER]
+    cells = {(row["method"], row["case"]): cell(row) for row in ours}
+    cases, methods = (dict.fromkeys(row[name] for row in ours) for name in ("case", "method"))
+    lines = [
+        [label(method), *(cells.get((method, case), GONE) for case in cases)] for method in methods
+    ]
+    return pd.DataFrame(lines, columns=["Model", *cases])
 
 
-def ending(tally: str) -> tuple[str, str]:
+def error(row: Row) -> str:
+    """`median (thesis)`, or the outcome where the median seed failed."""
+    thesis = row["thesis_outcome"] or number(row["thesis_percent"], 3)
+    beside = "" if thesis == GONE else f" ({thesis})"
+    if missing(row["nmte_percent"]):
+        return str(row["outcome"]).replace("_", " ") + beside
+    star, note = ending(row["outcome"])
+    return f"{number(row['nmte_percent'], 3)}{star}{beside}{note}"
+
+
+def ending(tally: Tally) -> tuple[str, str]:
     """A star where every seed with a value left its training range, and how many seeds ended
     otherwise than `ok`.
     """
-    counts = {}
-    for part in tally.split(", "):
-        word, _, count = part.rpartition(" ")
-        counts[word if count.isdigit() else part] = int(count) if count.isdigit() else 1
-    total, left, well = sum(counts.values()), counts.pop("left_range", 0), counts.pop("ok", 0)
-    marks = [f"{count} of {total} {word.replace('_', ' ')}" for word, count in counts.items()]
-    marks += [f"{left} of {total}*"] if left and well else []
-    return "*" if left and not well else "", f" {', '.join(marks)}" if marks else ""
+    total, left, well = tally.total(), tally[Outcome.LEFT_RANGE], tally[Outcome.OK]
+    others = [one for one in tally if one not in (Outcome.LEFT_RANGE, Outcome.OK)]
+    notes = [f"{tally[one]} of {total} {one.replace('_', ' ')}" for one in others]
+    notes += [f"{left} of {total}*"] if left and well else []
+    return "*" if left and not well else "", f" {', '.join(notes)}" if notes else ""
 
 
-def checks(table: pd.DataFrame) -> list[str]:
+def cost(rows: Sequence[Row]) -> Callable[[Row], str]:
+    """Offline seconds (data, mapping, dynamics), and the speed-up of one decay."""
+    full = {row["case"]: row["decay_s"] for row in rows if row["method"] == FULL_ORDER}
+
+    def cell(row: Row) -> str:
+        offline = [row[name] for name in OFFLINE]
+        seconds = float(np.nansum(offline)) if np.isfinite(offline).any() else np.nan
+        speed = full.get(row["case"], np.nan) / row["decay_s"] if row["decay_s"] else np.nan
+        return f"{number(seconds, 3)} s, {number(speed, 2)} x"
+
+    return cell
+
+
+def checks(rows: Iterable[Row]) -> list[str]:
     """How many promises are kept, and the names of the others."""
-    unmet = table[table["met"] != "yes"]
-    named = [
-        f"{row.case}, {thesis.label(row.method)}: {row.quantity} {number(row.value, 6)} (bound {row.bound})"
-        for row in unmet.itertuples()
-    ]
+    met = [row["met"] == "yes" for row in rows]
+    unmet = [row for row, kept in zip(rows, met) if not kept]
     return [
-        f"{'Checks':<10}{len(table) - len(unmet)} of {len(table)} met",
-        *(f"{'not met':<10}{name}" for name in named),
+        f"{'Checks':<10}{sum(met)} of {len(met)} met",
+        *(
+            f"{'not met':<10}{row['case']}, {label(row['method'])}: {row['quantity']} "
+            f"{number(row['value'], 6)} (bound {row['bound']})"
+            for row in unmet
+        ),
     ]
 
 
-def costs(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a model, one column a case: offline seconds (data, mapping, dynamics), and the
-    speed-up of one decay.
-    """
-    full = table[table["method"] == FULL_ORDER].set_index("case")["decay_s"]
-    ours = table[table["method"] != FULL_ORDER]
-    cells = {}
-    for _, row in ours.iterrows():
-        offline = row[OFFLINE].astype(float)
-        speed = (
-            float(full.get(row["case"], float("nan"))) / row["decay_s"]
-            if row["decay_s"]
-            else float("nan")
-        )
-        cells[(row["method"], row["case"])] = (
-            f"{number(float(offline.sum()), 3) if offline.notna().any() else GONE} s, "
-            f"{number(float(speed), 2) if pd.notna(speed) else GONE} x"
-        )
-    return grid(ours, cells)
-
-
-def grid(ours: pd.DataFrame, cells: dict) -> pd.DataFrame:
-    cases, methods = list(dict.fromkeys(ours["case"])), list(dict.fromkeys(ours["method"]))
-    rows = [
-        [thesis.label(method), *(cells.get((method, case), GONE) for case in cases)]
-        for method in methods
-    ]
-    return pd.DataFrame(rows, columns=["Model", *cases])
-
-
-def sections(tables: dict[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
     """Title -> table, of the tables that the run has."""
+    rows = {name: made.rows for name, made in tables.items()}
     made = {
-        "Decay: NMTE in %, median over seeds (thesis)": ("decay", errors),
-        "Forced run, last period: NMTE in %, median over seeds (thesis)": ("forced", errors),
-        "Cost: offline seconds, speed-up of one decay over the full order": ("run_times", costs),
+        "Decay: NMTE in %, median over seeds (thesis)": ("decay", error),
+        "Forced run, last period: NMTE in %, median over seeds (thesis)": ("forced", error),
+        "Cost: offline seconds, speed-up of one decay over the full order": (
+            "run_times",
+            cost(rows.get("run_times", [])),
+        ),
     }
-    return {title: build(tables[name]) for title, (name, build) in made.items() if name in tables}
+    return {title: grid(rows[name], cell) for title, (name, cell) in made.items() if name in rows}
 
 
-def show(tables: dict[str, pd.DataFrame], places: dict[str, str], console: Console) -> None:
-    for title, frame in sections(tables).items():
+def show(tables: Mapping[str, Table], places: dict[str, str], console: Console) -> None:
+    """Print it."""
+    made = sections(tables)
+    for title, frame in made.items():
         console.print(title, style="bold", highlight=False)
-        table = Table(header_style="", pad_edge=False, show_edge=False)
+        table = Grid(header_style="", pad_edge=False, show_edge=False)
         for index, column in enumerate(frame.columns):
             table.add_column(str(column), justify="left" if index == 0 else "right")
         for row in frame.itertuples(index=False):
             table.add_row(*row)
         console.print(table)
         console.print()
-    if any(
-        "*" in str(cell) for frame in sections(tables).values() for cell in frame.to_numpy().ravel()
-    ):
+    if any("*" in cell for frame in made.values() for cell in frame.to_numpy().ravel()):
         console.print(FOOTNOTE, "\n", sep="", highlight=False)
-    for line in checks(tables["checks"]) if "checks" in tables else []:
+    for line in checks(tables["checks"].rows) if "checks" in tables else []:
         console.print(line, highlight=False, markup=False)
     for what, where in places.items():
         console.print(f"{what:<10}{where}", highlight=False, soft_wrap=True)
 
 
-def text(tables: dict[str, pd.DataFrame], places: dict[str, str]) -> str:
-    """The same without colours, 100 columns wide."""
+def text(tables: Mapping[str, Table], places: dict[str, str]) -> str:
+    """The same without colours."""
     out = io.StringIO()
-    show(tables, places, Console(file=out, width=100, color_system=None))
+    show(tables, places, Console(file=out, width=WIDTH, color_system=None))
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"

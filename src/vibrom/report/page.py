@@ -2,41 +2,24 @@
 else to be read.
 """
 
+from __future__ import annotations
+
 import base64
 import json
-from importlib.resources import files
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
-from jinja2 import Environment
 from markupsafe import Markup
 
-from vibrom.report import names
-from vibrom.report.captions import Caption
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, Collection, scalar
+from vibrom.report import outputs
+from vibrom.report.collection import FULL_ORDER, Collection, scalar
+from vibrom.report.outputs import Caption
+from vibrom.report.table import Table, render, resource, to_html
 from vibrom.thesis import published as thesis
+from vibrom.thesis.labels import label
 
+__all__ = ["compose", "image", "plain", "resource"]
 HEAVY = 400_000  # bytes: a figure above this goes in as pixels
-
-
-def resource(name: str) -> str:
-    return (files("vibrom.report") / name).read_text(encoding="utf-8")
-
-
-def render(template: str, **values) -> str:
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    return environment.from_string(resource(template)).render(
-        css=Markup(resource("page.css")), **values
-    )
-
-
-def standalone(title: str, table: str, digest: str) -> str:
-    """One table as a page of its own."""
-    return render("table.html.j2", title=title, table=Markup(table), digest=digest)
-
-
-def fragment(html: str) -> Markup:
-    """The `<table>` of a page that `standalone` made."""
-    return Markup(html[html.index("<table") : html.rindex("</table>") + len("</table>")])
 
 
 def image(formats: dict[str, bytes]) -> str:
@@ -56,68 +39,61 @@ def sources(collection: Collection) -> tuple[pd.DataFrame, dict[str, str]]:
     them.
     """
     rows, versions = [], {}
-    for scene in collection.scenes[:1]:
-        for model in [FULL_ORDER, *collection.methods]:
-            name = "structure" if model == FULL_ORDER else "rom"
-            seeds = [UNSEEDED] if model == FULL_ORDER else collection.seeds(scene, model)
-            dataset = collection.find(scene, model, name, seeds[0]) if seeds else None
-            if dataset is not None:
-                rows.append(
-                    (thesis.label(model), name, str(scalar(dataset, "source_digest", "unknown")))
-                )
-                versions |= json.loads(str(scalar(dataset, "versions", "{}")))
-    return pd.DataFrame(rows, columns=["Model", "Artefact", "Source digest"]), dict(
-        sorted(versions.items())
-    )
+    for scene, model in collection.models[: 1 + len(collection.methods)]:
+        name = "structure" if model == FULL_ORDER else "rom"
+        dataset = next(iter(collection.every(scene, model, name)), None)
+        if dataset is not None:
+            digest = str(scalar(dataset, "source_digest", "unknown"))
+            rows.append((label(model), name, digest))
+            versions |= json.loads(str(scalar(dataset, "versions", "{}")))
+    frame = pd.DataFrame(rows, columns=["Model", "Artefact", "Source digest"])
+    return frame, dict(sorted(versions.items()))
 
 
 def compose(
     *,
     collection: Collection,
     headline: dict[str, pd.DataFrame],
-    tables: dict[str, str],
-    figures: dict[str, dict[str, bytes]],
-    captions: dict[str, Caption],
-    hard: pd.DataFrame,
+    tables: Sequence[Table],
+    figures: Mapping[str, dict[str, bytes]],
+    captions: Mapping[str, Caption],
+    failures: Table,
     provenance: dict,
 ) -> str:
-    """The page; `tables` are the HTML files of the tables, `figures` the bytes of each figure by
-    format, `captions` by `tables/<name>` and `figures/<group>`.
+    """The page; `figures` are the bytes of each by format, in reading order, `captions` by
+    `tables/<name>` and `figures/<plug>`.
     """
-
-    def entry(name: str, **content) -> dict:
-        kind = "tables" if "table" in content else "figures"
-        stem, scene = (name, None) if kind == "tables" else names.split(name)
-        caption = captions.get(f"{kind}/{stem}", Caption(name.replace("_", " "), ()))
-        return {
-            "name": name,
-            "title": caption.title,
-            "scene": scene,
-            "paragraphs": caption.paragraphs,
-            **content,
-        }
-
     digests, versions = sources(collection)
-    versions |= json.loads(provenance.get("versions", "{}"))
+    drawings = {name: outputs.drawing(name, collection.scenes) for name in figures}
     shown = [
-        entry(name, image=image(figures[name]))
-        for name in names.figures(collection.scenes)
-        if name in figures
+        {
+            "name": name,
+            "scene": scene,
+            "caption": captions[f"figures/{plug}"],
+            "image": image(figures[name]),
+            "glance": outputs.at_a_glance(plug),
+        }
+        for name, (plug, scene) in drawings.items()
     ]
     return render(
         "page.html.j2",
         scenes=collection.scenes,
-        methods=[thesis.label(method) for method in collection.methods],
-        seeds=len({key[2] for key in collection.loaders if key[2] != UNSEEDED}),
+        methods=[label(method) for method in collection.methods],
+        seeds=len({key.seed for key in collection.loaders} - {None}),
         headline=[(title, plain(frame)) for title, frame in headline.items()],
-        glance=[figure for figure in shown if "cost" in figure["name"].split("_")],
-        figures=[figure for figure in shown if "cost" not in figure["name"].split("_")],
+        glance=[figure for figure in shown if figure["glance"]],
+        figures=[figure for figure in shown if not figure["glance"]],
         tables=[
-            entry(name, table=fragment(tables[name])) for name in names.tables() if name in tables
+            {
+                "name": table.name,
+                "caption": captions[f"tables/{table.name}"],
+                "html": to_html(table),
+            }
+            for table in tables
         ],
-        hard=plain(hard) if len(hard) else None,
+        failures=to_html(failures) if failures.rows else None,
         digests=plain(digests),
-        versions=versions,
+        versions=versions | json.loads(provenance.get("versions", "{}")),
         digest=provenance.get("source_digest", "unknown"),
         thesis=thesis.SOURCE,
     )

@@ -1,4 +1,4 @@
-"""Scores over seeds: median, smallest and largest value, and what became of the seeds.
+"""The scores of a run, and how those of several seeds become one number.
 
 A seed that failed has no value. For an error it counts as infinitely large: when that makes the
 median infinite, the median is a failure and has no value (NaN), and neither has the maximum as soon
@@ -6,44 +6,58 @@ as one seed failed. For quantities without a worst side (eigenvalues, run times,
 failed seeds are left out, and the median has no value when as many seeds failed as did not.
 """
 
-from collections import Counter
-from dataclasses import dataclass
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
+import xarray as xr
 
-from vibrom.report.collection import UNSEEDED
+from vibrom.artefacts.outcome import Outcome, Tally
+from vibrom.config import plugs
+from vibrom.report.collection import Collection, Key, outcome
 
-COLUMNS = ("scene", "method", "seed", "experiment", "metric", "value", "unit", "seconds", "outcome")
+
+class Score(NamedTuple):
+    """One number of one model in one experiment."""
+
+    scene: str
+    method: str
+    seed: int | None
+    experiment: str
+    metric: str
+    value: float  # in `unit`; NaN where there is none
+    unit: str
+    seconds: float  # of wall time
+    outcome: Tally  # how the experiment ended, for a curve at all of its points
 
 
 class Spread(NamedTuple):
+    """Over seeds."""
+
     median: float
     minimum: float
     maximum: float
 
-
-NOTHING = Spread(np.nan, np.nan, np.nan)
-
-
-def seed_label(seed) -> str:
-    """The folder name of a seed written as a number, as that name, or left empty."""
-    if isinstance(seed, str) and (seed == UNSEEDED or seed.startswith("seed_")):
-        return seed
-    number = pd.to_numeric(seed, errors="coerce")
-    return UNSEEDED if pd.isna(number) or number < 0 else f"seed_{int(number)}"
+    def columns(self, name: str) -> dict[str, float]:
+        """As the cells of a column of this name."""
+        return {name: self.median, f"{name}_min": self.minimum, f"{name}_max": self.maximum}
 
 
-def spread(values: np.ndarray, *, worst: bool) -> Spread:
-    """Median, minimum and maximum over seeds; `worst` says that a failed seed (NaN) counts as
-    infinitely large.
+NO_SPREAD = Spread(np.nan, np.nan, np.nan)
+
+
+def spread(values: Iterable[float], *, worst: bool) -> Spread:
+    """Median, minimum and maximum over seeds; `worst` says that a failed seed (NaN, infinite)
+    counts as infinitely large.
     """
-    values = np.asarray(values, float)
+    values = np.asarray(list(values), float)
     good = values[np.isfinite(values)]
     failed = len(values) - len(good)
     if len(good) == 0 or (not worst and failed >= len(good)):
-        return NOTHING
+        return NO_SPREAD
     if not worst:
         return Spread(float(np.median(good)), float(good.min()), float(good.max()))
     with np.errstate(invalid="ignore"):
@@ -52,62 +66,80 @@ def spread(values: np.ndarray, *, worst: bool) -> Spread:
     return Spread(median if np.isfinite(median) else np.nan, float(good.min()), largest)
 
 
-def tally(outcomes) -> str:
-    """`ok` when all agree, else each outcome with its count, the most frequent first: `ok 2,
-    diverged 1`.
-    """
-    counts = Counter(outcomes)
-    if len(counts) < 2:
-        return next(iter(counts), "not run")
-    ranked = sorted(counts, key=lambda outcome: (-counts[outcome], outcome != "ok"))
-    return ", ".join(f"{outcome} {counts[outcome]}" for outcome in ranked)
-
-
-@dataclass(frozen=True)
 class Scores:
-    """The long table of scores."""
+    """All scores of a run."""
 
-    frame: pd.DataFrame
+    def __init__(self, rows: Iterable[Score]):
+        self.rows = list(rows)
+        self._by_experiment: dict[tuple, list[Score]] = defaultdict(list)
+        for row in self.rows:
+            self._by_experiment[row.scene, row.method, row.experiment].append(row)
 
-    def __post_init__(self):
-        missing = [name for name in COLUMNS if name not in self.frame.columns]
-        if missing:
-            raise ValueError(f"scores: no column {', '.join(missing)}; make the scores anew")
-        seeds = [seed_label(seed) for seed in self.frame["seed"]]
-        object.__setattr__(
-            self, "frame", self.frame.assign(seed=seeds, outcome=self.frame["outcome"].astype(str))
+    @classmethod
+    def of(cls, collection: Collection) -> Scores:
+        """Those that the artefacts of the experiments carry."""
+        experiments = set(plugs.names("experiments"))
+        return cls(
+            score
+            for key in collection.loaders
+            if key.name in experiments
+            for score in _scores(key, collection.find(key.scene, key.model, key.name, key.seed))
         )
 
-    def rows(
+    def of_experiment(
         self, scene: str, method: str, experiment: str, metric: str | None = None
-    ) -> pd.DataFrame:
-        frame = self.frame
-        chosen = (
-            (frame["scene"] == scene)
-            & (frame["method"] == method)
-            & (frame["experiment"] == experiment)
-        )
-        return frame[chosen if metric is None else chosen & (frame["metric"] == metric)]
+    ) -> list[Score]:
+        """Of all seeds; of one metric or of all."""
+        rows = self._by_experiment.get((scene, method, experiment), [])
+        return [row for row in rows if metric in (None, row.metric)]
 
     def spread(
         self, scene: str, method: str, experiment: str, metric: str, *, worst: bool = True
     ) -> Spread:
-        return spread(
-            self.rows(scene, method, experiment, metric)["value"].to_numpy(float), worst=worst
-        )
+        """Of one metric over seeds."""
+        rows = self.of_experiment(scene, method, experiment, metric)
+        return spread((row.value for row in rows), worst=worst)
 
-    def outcome(self, scene: str, method: str, experiment: str) -> str:
-        return tally(self.rows(scene, method, experiment).drop_duplicates("seed")["outcome"])
+    def outcome(self, scene: str, method: str, experiment: str) -> Tally:
+        """How the seeds ended; empty where the model took no part."""
+        seeds = {row.seed: row.outcome for row in self.of_experiment(scene, method, experiment)}
+        return Tally(ending for tally in seeds.values() for ending in tally.elements())
 
-    def value(self, scene: str, method: str, seed: str, experiment: str, metric: str) -> float:
-        rows = self.rows(scene, method, experiment, metric)
-        rows = rows[rows["seed"] == seed]
-        return float(rows["value"].iloc[0]) if len(rows) else np.nan
+    def value(
+        self, scene: str, method: str, seed: int | None, experiment: str, metric: str
+    ) -> float:
+        """Of one seed; NaN where there is none."""
+        rows = self.of_experiment(scene, method, experiment, metric)
+        return next((row.value for row in rows if row.seed == seed), np.nan)
 
-    def median_seed(self, scene: str, method: str, seeds: list[str]) -> str:
+    def median_seed(self, scene: str, method: str, seeds: list[int | None]) -> int | None:
         """The seed that figures draw: the middle one by decay NMTE (of an even number the lower),
         failed seeds last.
         """
         errors = {seed: self.value(scene, method, seed, "decay", "nmte_percent") for seed in seeds}
         ranked = sorted(seeds, key=lambda seed: np.nan_to_num(errors[seed], nan=np.inf))
         return ranked[(len(ranked) - 1) // 2]
+
+
+def _scores(key: Key, dataset: xr.Dataset) -> list[Score]:
+    """Those of one artefact; none of a truth, which is compared with nothing."""
+    if "score" not in dataset.coords:
+        return []
+    ended = Tally(dataset["outcome"].values.ravel().astype(str))
+    seconds = float(dataset["seconds"])
+    columns = (dataset[name].values for name in ("score", "score_value", "score_unit"))
+    return [
+        Score(*key, str(metric), float(value), str(unit), seconds, ended)
+        for metric, value, unit in zip(*columns)
+    ]
+
+
+def endings(
+    collection: Collection, scores: Scores, scene: str, method: str, experiment: str
+) -> Tally:
+    """What became of the seeds; a model that took no part says why, if its fit knows."""
+    found = scores.outcome(scene, method, experiment)
+    if found:
+        return found
+    fits = [fit for fit in collection.every(scene, method, "rom") if fit is not None]
+    return Tally(ended for fit in fits if (ended := outcome(fit)) is not Outcome.OK)

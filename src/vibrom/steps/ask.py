@@ -11,7 +11,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import label, open_dataset, outcome_variables, save_dataset, scored
 from vibrom.artefacts.outcome import Outcome
-from vibrom.experiments import Experiment, Given, experiment
+from vibrom.experiments import Experiment, Given, experiment, plug
 from vibrom.models.model import Model
 from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import Unsupported
@@ -40,9 +40,9 @@ def run(
     experiment reads, by name.
     """
     question, known = experiment(name, settings), open_dataset(structure, "structure")
-    answers = {key: open_dataset(path, KINDS.get(key, key)) for key, path in reads.items()}
-    true = open_dataset(truth, KINDS.get(kind_of(question), kind_of(question))) if truth else None
     fitted = open_dataset(rom, "rom") if rom else None
+    answers = {key: open_dataset(path, kind(key, fitted is None)) for key, path in reads.items()}
+    true = open_dataset(truth, kind(str(question.truth), False)) if truth else None
     given = Given(known, samples, answers)
     outcome, reason = obstacle(question, fitted, answers, true)
     if outcome.has_value:
@@ -59,9 +59,13 @@ def run(
     save_dataset(answer, output, provenance)
 
 
-def kind_of(question: Experiment) -> str:
-    """The kind of artefact that an answer is compared with."""
-    return str(question.truth)
+def kind(name: str, of_full_order: bool) -> str:
+    """The kind of artefact that stands for `name`: the full order's own decay is its record."""
+    if name in KINDS:
+        return KINDS[name]
+    asked = plug(name)
+    recorded = of_full_order and not asked.of_full_order
+    return kind(str(asked.truth), of_full_order) if recorded else name
 
 
 def obstacle(

@@ -1,20 +1,21 @@
-"""Training data -> rom.nc and losses.nc: one method learns one model, tells how it goes, and can be
-interrupted.
+"""Training data -> rom.nc and losses.nc: one method learns one model, shows how far it is, and can
+be interrupted.
 """
 
 from __future__ import annotations
 
-import os
 import sys
-import time
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.artefacts.files import DataError, replacing
+from vibrom.artefacts.outcome import Outcome
 from vibrom.artefacts.progress import bar
 from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure as operators
@@ -23,26 +24,37 @@ from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged
 
 
+@dataclass(frozen=True)
+class Recipe:
+    """Which method learns what, and how."""
+
+    scene: str
+    method: str  # the name in config/methods
+    kind: str  # the file of src/vibrom/methods
+    settings: dict[str, Any]
+    seed: int | None  # None: the method draws no random numbers
+    device: str
+
+    @property
+    def title(self) -> str:
+        """What the progress bar shows."""
+        return f"{self.scene}: {self.method}" + ("" if self.seed is None else f", seed {self.seed}")
+
+
 class FileMonitor(Monitor):
-    """Times the phases, keeps the loss history, shows progress and keeps the last checkpoint at
-    `path` (.npz, no pickle).
+    """Keeps the loss history and shows progress; `path` (.npz, no pickle) is the place of the last
+    checkpoint, None for none.
     """
 
     def __init__(self, path: str | None, title: str):
+        super().__init__()
         self.path, self.title = None if path is None else Path(path), title
-        self.seconds, self.history = {"mapping": 0.0, "dynamics": 0.0}, []
+        self.history: list[dict[str, float]] = []  # a row: epoch, and every term of the loss
         self._bar = self._advance = None
-        self._done, self._began = 0, time.perf_counter()
-
-    @contextmanager
-    def phase(self, name: str):
-        self._began = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[name] += time.perf_counter() - self._began
+        self._done = 0
 
     def epoch(self, epoch: int, epochs: int, losses: dict[str, float]) -> None:
+        """See Monitor."""
         self.history.append({"epoch": epoch, **losses})
         if self._bar is None:
             self._bar = bar(self.title, epochs, "epochs")
@@ -50,34 +62,42 @@ class FileMonitor(Monitor):
         self._advance(epoch - self._done)
         self._done = epoch
 
-    def restore(self):
+    def restore(self) -> dict[str, Any] | None:
+        """See Monitor."""
         if self.path is None or not self.path.exists():
             return None
         try:
             with np.load(self.path, allow_pickle=False) as stored:
                 state = {name: stored[name] for name in stored.files}
         except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-            return None  # torn while it was written: the training starts anew
-        self.seconds["mapping"] += float(state.pop("spent_seconds", 0.0))
+            return None  # torn while it was written: the training starts again
+        earlier = float(state.pop("spent_seconds", 0.0))
+        self.seconds["total"] = self.seconds.get("total", 0.0) + earlier
         return state
 
-    def checkpoint(self, state) -> None:
+    def checkpoint(self, state: dict[str, Any]) -> None:
+        """See Monitor."""
         if self.path is None:
             return
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        partial = self.path.with_name(f".{self.path.stem}.partial.npz")
-        spent = self.seconds["mapping"] + time.perf_counter() - self._began
         try:
-            np.savez(partial, **state, spent_seconds=spent)
-            os.replace(partial, self.path)
-        except OSError as error:
-            print(f"{self.title}: no checkpoint ({error}); the training goes on", file=sys.stderr)
-        finally:
-            partial.unlink(missing_ok=True)
+            with replacing(self.path) as partial, partial.open("wb") as file:
+                np.savez(file, **state, spent_seconds=self.spent("total"))
+        except DataError as error:
+            print(f"{self.title}: no checkpoint ({error}); the training resumes", file=sys.stderr)
 
     def close(self) -> None:
+        """Ends the progress bar."""
         if self._bar is not None:
             self._bar.__exit__(None, None, None)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A stored model, or the outcome that stands for it."""
+
+    model: xr.Dataset
+    outcome: Outcome = Outcome.OK
+    reason: str = ""  # empty where the outcome is ok
 
 
 def run(
@@ -86,77 +106,95 @@ def run(
     train: str,
     rom: str,
     losses: str,
-    scene_name: str,
-    method: str,
-    kind: str | None = None,
-    settings: dict,
-    seed: int | None,
-    device: str,
-    provenance: dict,
+    recipe: dict[str, Any],
+    provenance: dict[str, str],
     start: str | None = None,
     checkpoint: str | None = None,
 ) -> None:
-    known = open_dataset(structure, "structure")
-    monitor = FileMonitor(
-        checkpoint, f"{scene_name}: {method}" + ("" if seed is None else f", seed {seed}")
-    )
+    """`recipe` are the fields of Recipe, `start` is the fitted model to start from."""
+    given = Recipe(**recipe)
+    motion, known = open_dataset(train, "trajectory"), open_dataset(structure, "structure")
     begun = open_dataset(start, "rom") if start else None
-    outcome, reason, fitted = "ok", "", xr.Dataset()
-    motion = open_dataset(train, "trajectory")
-    failed = float(motion["failed_at"])
-    if str(motion["outcome"].item()) != "ok":
-        outcome, reason = (
-            "reference_failed",
-            f"the full-order training run stopped at {failed:.4g} s without convergence; raise time.steps_per_period",
+    monitor = FileMonitor(checkpoint, given.title)
+    try:
+        fitted = fit_or_reason(given, known, motion, begun, monitor)
+    finally:
+        monitor.close()
+    names = {
+        "scene": given.scene,
+        "method": given.method,
+        "seed": given.seed,
+        "settings": given.settings,
+        "reason": fitted.reason,
+    }
+    # A model that starts from another one has needed that one's mapping too.
+    before = 0.0 if begun is None else float(begun["mapping_seconds"])
+    model = fitted.model.assign(
+        outcome=variable((), str(fitted.outcome), "1", "how the fit ended"),
+        **seconds(monitor, before),
+    )
+    save_dataset(label(loss_history(monitor.history), "losses", **names), losses, provenance)
+    save_dataset(label(model, "rom", **names), rom, provenance)
+    if checkpoint:
+        Path(checkpoint).unlink(missing_ok=True)
+
+
+def fit_or_reason(
+    recipe: Recipe,
+    known: xr.Dataset,
+    motion: xr.Dataset,
+    begun: xr.Dataset | None,
+    monitor: Monitor,
+) -> Fitted:
+    """The model that the method learns from `motion`, or why there is none."""
+    ended = Outcome(str(motion["outcome"].item()))
+    if not ended.has_value:
+        return Fitted(
+            xr.Dataset(),
+            Outcome.REFERENCE_FAILED,
+            f"the full-order training run stopped at {float(motion['failed_at']):.4g} s; raise "
+            "time.steps_per_period",
         )
-    elif begun is not None and str(begun["outcome"].item()) != "ok":
-        outcome, reason = (
-            str(begun["outcome"].item()),
-            f"the model that it starts from: {begun.attrs['reason']}",
-        )
-    else:
-        try:
-            chosen = method_from_settings(kind or method, settings)
-        except MethodError as error:
-            raise MethodError(f"config/methods/{method}.yaml: settings: {error}") from error
+    start_ended = Outcome.OK if begun is None else Outcome(str(begun["outcome"].item()))
+    if not start_ended.has_value:
+        reason = f"the model that it starts from: {begun.attrs['reason']}"
+        return Fitted(xr.Dataset(), start_ended, reason)
+    try:
+        method = method_from_settings(recipe.kind, recipe.settings)
+        method.prepare(recipe.device)
         training = Training(
             (trajectory(motion),),
             operators(known),
-            seed,
-            device,
+            recipe.seed,
+            recipe.device,
             None if begun is None else rom_from_dataset(begun),
             monitor,
         )
-        try:
-            fitted = chosen.learn(training).to_dataset()
-        except TrainingDiverged as diverged:
-            outcome, reason = "training_diverged", str(diverged)
-        finally:
-            monitor.close()
-    # A model that starts from another one has needed that one's mapping too.
-    before = 0.0 if begun is None else float(begun["mapping_seconds"])
-    fitted = fitted.assign(
-        {
-            "outcome": variable((), outcome, "1", "how the fit ended"),
-            "mapping_seconds": variable(
-                (),
-                before + monitor.seconds["mapping"],
-                "s",
-                "wall time to learn the mapping, that of a model to start from included",
-            ),
-            "dynamics_seconds": variable(
-                (),
-                monitor.seconds["dynamics"],
-                "s",
-                "wall time to learn the dynamics after the mapping",
-            ),
-        }
-    )
-    names = dict(scene=scene_name, method=method, seed=seed, settings=settings, reason=reason)
-    save_dataset(label(loss_history(monitor.history), "losses", **names), losses, provenance)
-    save_dataset(label(fitted, "rom", **names), rom, provenance)
-    if checkpoint:
-        Path(checkpoint).unlink(missing_ok=True)
+        return Fitted(method.learn(training).to_dataset())
+    except TrainingDiverged as diverged:
+        return Fitted(xr.Dataset(), Outcome.TRAINING_DIVERGED, str(diverged))
+    except MethodError as error:
+        where = f"{recipe.method} in scene {recipe.scene}"
+        raise MethodError(f"{where}: {error}") from error
+
+
+def seconds(monitor: Monitor, before: float) -> dict[str, xr.Variable]:
+    """Wall times of mapping and dynamics, which together are all that the fit took; `before` [s]
+    was spent on the mapping of the model to start from.
+    """
+    dynamics = monitor.spent("dynamics")
+    mapping = before + monitor.spent("total") - dynamics
+    return {
+        "mapping_seconds": variable(
+            (),
+            mapping,
+            "s",
+            "wall time to learn the mapping, that of a model to start from included",
+        ),
+        "dynamics_seconds": variable(
+            (), dynamics, "s", "wall time to learn the dynamics after the mapping"
+        ),
+    }
 
 
 def loss_history(rows: list[dict[str, float]]) -> xr.Dataset:
@@ -165,16 +203,10 @@ def loss_history(rows: list[dict[str, float]]) -> xr.Dataset:
     """
     names = list(rows[0]) if rows else ["epoch", "train_total"]
     columns = {name: np.array([row[name] for row in rows], dtype=float) for name in names}
+    epochs = columns.pop("epoch").astype(int)
     terms = {
         name: variable("epoch", values, "1", f"loss: {name.replace('_', ' ')}")
         for name, values in columns.items()
-        if name != "epoch"
     }
-    return xr.Dataset(
-        terms,
-        coords={
-            "epoch": variable(
-                "epoch", columns["epoch"].astype(int), "1", "epoch of training, counted from one"
-            )
-        },
-    )
+    epoch = variable("epoch", epochs, "1", "epoch of training, counted from one")
+    return xr.Dataset(terms, coords={"epoch": epoch})

@@ -1,23 +1,27 @@
-"""Tables -> the short table at the end of a run, on the screen and in a file."""
+"""Artefacts -> the short table at the end of a run, on the screen and in a file."""
 
 from pathlib import Path
 
-import pandas as pd
 from rich.console import Console
 
+from vibrom.artefacts.files import write
 from vibrom.report import headline as numbers
-from vibrom.steps._files import write
+from vibrom.report import tables
+from vibrom.report.collection import Collection
+from vibrom.report.scores import Scores
 
 
-def run(
-    *, scores: str, report: str, tables: list[str], headline: str, provenance: dict | None = None
-) -> None:
-    frames = {Path(path).stem: pd.read_csv(path) for path in tables if path.endswith(".csv")}
+def run(*, artefacts: list[str], report: str, store: str, headline: str, provenance: dict) -> None:
+    """Report and MLflow's store are named in it, and everything that lies beside them."""
+    collection = Collection.at(artefacts)
+    scores = Scores.of(collection)
+    made = {name: tables.make(name, collection, scores) for name in numbers.TABLES}
+    folder = Path(report).parent
     places = {
         "Report": report,
-        "Tables": str(Path(tables[0]).parent) if tables else "none",
-        "Scores": scores,
+        "Tables": str(folder / "tables"),
+        "Scores": str(folder / "scores.csv"),
         "MLflow": "make ui",
     }
-    write(headline, numbers.text(frames, places))
-    numbers.show(frames, places, Console())
+    write(headline, numbers.text(made, places))
+    numbers.show(made, places, Console())

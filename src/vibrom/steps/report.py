@@ -1,51 +1,40 @@
-"""Tables, figures, captions, scores and artefacts -> results/report.html."""
+"""Artefacts, figures and captions -> results/report.html."""
 
 from pathlib import Path
 
-import pandas as pd
-
-from vibrom.report import hard_cases, headline, page
-from vibrom.report.captions import parse
+from vibrom.artefacts.files import write
+from vibrom.report import failures, headline, page, tables
+from vibrom.report.collection import Collection
+from vibrom.report.outputs import Caption
 from vibrom.report.scores import Scores
-from vibrom.steps._files import collection, write
 
 
 def run(
     *,
-    scores: str,
     artefacts: list[str],
-    tables: list[str],
     figures: list[str],
-    captions: list[str],
+    tables_shown: list[str],
+    captions: dict[str, list],
     report: str,
-    provenance: dict | None = None,
+    provenance: dict,
 ) -> None:
-    runs, values = collection(artefacts), Scores(pd.read_csv(scores))
-    numbers = {Path(path).stem: pd.read_csv(path) for path in tables if path.endswith(".csv")}
+    """`tables_shown` in reading order; `captions`: tables/<name> or figures/<plug> -> title,
+    paragraphs.
+    """
+    collection = Collection.at(artefacts)
+    scores = Scores.of(collection)
+    made = {name: tables.make(name, collection, scores) for name in tables_shown}
     pictures: dict[str, dict[str, bytes]] = {}
-    for path in figures:
-        if path.endswith((".svg", ".png")):
-            pictures.setdefault(Path(path).stem, {})[Path(path).suffix.removeprefix(".")] = Path(
-                path
-            ).read_bytes()
-    write(
-        report,
-        page.compose(
-            collection=runs,
-            headline=headline.sections(numbers),
-            tables={
-                Path(path).stem: Path(path).read_text(encoding="utf-8")
-                for path in tables
-                if path.endswith(".html")
-            },
-            figures=pictures,
-            captions={
-                f"{Path(path).parent.name}/{Path(path).stem}": parse(
-                    Path(path).read_text(encoding="utf-8"), path
-                )
-                for path in captions
-            },
-            hard=hard_cases.table(runs, values, numbers.get("frc")),
-            provenance=provenance or {},
-        ),
+    for path in map(Path, figures):
+        if path.suffix in (".svg", ".png"):
+            pictures.setdefault(path.stem, {})[path.suffix.removeprefix(".")] = path.read_bytes()
+    content = page.compose(
+        collection=collection,
+        headline=headline.sections(made),
+        tables=list(made.values()),
+        figures=pictures,
+        captions={name: Caption(title, tuple(text)) for name, (title, text) in captions.items()},
+        failures=failures.build(collection, scores),
+        provenance=provenance,
     )
+    write(report, content)

@@ -27,20 +27,15 @@ def run(*, structure: str, scene: dict, name: str, provenance: dict) -> None:
         if term.damping is None
         else np.einsum("ki,ik->k", modes, term.damping @ modes.T) / (2 * frequency)
     )
-    mesh, nodes = body.basis.mesh, {}
+    mesh = body.basis.mesh
     corners = mesh.t.T[:, :4]
-    # Free dofs are told by where they sit; those of mid-side nodes of quadratic elements belong to
-    # no corner.
-    for index, at in enumerate(np.round(mesh.p.T, 9)):
-        nodes[tuple(at)] = index
-    dof_node = np.array([nodes.get(tuple(at), -1) for at in np.round(body.dof_location, 9)])
     variables = {
         "node": variable(("vertex", "axis"), mesh.p.T, "m", "coordinates of the mesh vertices"),
         "element_node": variable(
             ("element", "corner"), corners, "1", "vertices of each element, in order around it"
         ),
         "dof_node": variable(
-            "dof", dof_node, "1", "vertex of each free displacement, -1 where it has none"
+            "dof", body.dof_vertex, "1", "vertex of each free displacement, -1 where it has none"
         ),
         "dof_axis": variable(
             "dof", body.dof_axis, "1", "direction of each free displacement: 0 along x, 1 along y"
@@ -74,7 +69,7 @@ def run(*, structure: str, scene: dict, name: str, provenance: dict) -> None:
         finer = space.build({**scene["body"], "element": "quadratic", "probes": {}})
         variables["frequency_quadratic"] = variable(
             "mode",
-            eigenmodes(effects.assemble(finer, scene["effects"]), MODES)[0],
+            eigenmodes(effects.assemble(finer, scene["effects"]), len(frequency))[0],
             "rad s-1",
             "undamped angular eigenfrequencies of the same mesh with quadratic elements",
         )

@@ -1,124 +1,82 @@
-"""scores.csv, the fitted models with their losses, tables and figures -> the MLflow store."""
+"""The fitted models with their losses and scores, tables and figures -> the MLflow store."""
 
 import json
+import os
 from pathlib import Path
 
-import pandas as pd
+import numpy as np
 import xarray as xr
 
 from vibrom import tracking
-from vibrom.artefacts.data import UNSEEDED, open_dataset
+from vibrom.report.collection import FULL_ORDER, Collection, outcome
+from vibrom.report.scores import Score, Scores
 from vibrom.tracking import TrackedRun
-
-NAMING = ["scene", "method", "seed"]
 
 
 def run(
     *,
+    artefacts: list[str],
     scores: str,
-    fitted: list[str],
     tables: list[str],
     figures: list[str],
     store: str,
     artifacts: str,
     provenance: dict[str, str],
 ) -> None:
-    table = pd.read_csv(scores, keep_default_na=True)
-    rows = {
-        key: group
-        for key, group in table.assign(seed=[_seed(seed) for seed in table["seed"]]).groupby(
-            NAMING, sort=False
-        )
-    }
-    models = {
-        (*Path(path).parts[-4:-2], Path(path).parts[-2]): path
-        for path in fitted
-        if Path(path).stem == "rom"
-    }
-    runs = [
-        _model(key, path, rows.get((*key[:2], key[2].removeprefix("seed_"))))
-        for key, path in models.items()
-    ]
-    runs += [_reference(key, group) for key, group in rows.items() if key[1] == "full_order"]
-    runs.append(
-        TrackedRun(
-            "summary",
-            tags={"role": "summary", **provenance},
-            files={"tables": tables, "figures": figures, "": [scores]},
-        )
-    )
+    """A run for each fitted model, one for each full-order model, and a summary with the files."""
+    collection = Collection.at(artefacts)
+    scored = Scores.of(collection)
+    runs = [_model(collection, scored, *key[:3]) for key in collection.loaders if key.name == "rom"]
+    for scene in collection.scenes:
+        mine = [row for row in scored.rows if row[:2] == (scene, FULL_ORDER)]
+        if mine:
+            params = {"scene": scene, "method": FULL_ORDER}
+            name = f"{scene} {FULL_ORDER}"
+            runs.append(TrackedRun(name, params, _metrics(mine), tags=_outcomes(mine)))
+    files = {"tables": tables, "figures": figures, "": [scores]}
+    runs.append(TrackedRun("summary", tags={"role": "summary", **provenance}, files=files))
     tracking.record(runs, store=store, artifacts=artifacts)
     print(f"{len(runs)} runs in {store}; `make ui` shows them")
 
 
-def _seed(value) -> str:
-    """A seed of scores.csv as the last part of a folder's name: 0, 1, ..., or unseeded."""
-    number = pd.to_numeric(str(value).removeprefix("seed_"), errors="coerce")
-    return "unseeded" if pd.isna(number) or number == UNSEEDED else str(int(number))
-
-
-def _model(key: tuple[str, str, str], path: str, scores: pd.DataFrame | None) -> TrackedRun:
-    """One fitted model: its settings, scores, outcomes, loss curves, and where its artefacts are."""
-    scene, method, seed = key
-    rom, losses = (
-        open_dataset(path, "rom"),
-        open_dataset(Path(path).with_name("losses.nc"), "losses"),
-    )
+def _model(
+    collection: Collection, scores: Scores, scene: str, method: str, seed: int | None
+) -> TrackedRun:
+    """One fitted model: settings, scores, outcomes, loss curves, and where its artefacts are."""
+    rom, losses = (collection.find(scene, method, name, seed) for name in ("rom", "losses"))
+    mine = [row for row in scores.rows if row[:3] == (scene, method, seed)]
     params = {
         "scene": scene,
         "method": method,
-        "seed": seed.removeprefix("seed_"),
+        "seed": "unseeded" if seed is None else seed,
         **_flat(json.loads(rom.attrs.get("settings", "{}"))),
     }
-    metrics = {
+    seconds = {
         f"fit/{name}": float(rom[name])
         for name in ("mapping_seconds", "dynamics_seconds")
         if name in rom
     }
-    tags = {
-        "artefacts": str(Path(path).parent),
-        "outcome.fit": str(rom["outcome"].values),
-        **{
-            name: str(rom.attrs[name])
-            for name in ("source_digest", "versions")
-            if name in rom.attrs
-        },
+    made_by = {
+        name: str(rom.attrs[name]) for name in ("source_digest", "versions") if name in rom.attrs
     }
-    return TrackedRun(
-        " ".join(key), params, metrics | _metrics(scores), _curves(losses), tags | _outcomes(scores)
-    )
+    folder = os.path.relpath(Path(rom.encoding["source"]).parent)
+    tags = {"artefacts": folder, "outcome.fit": outcome(rom).value, **made_by, **_outcomes(mine)}
+    name = f"{scene} {method} {'unseeded' if seed is None else f'seed_{seed}'}"
+    return TrackedRun(name, params, seconds | _metrics(mine), _curves(losses), tags)
 
 
-def _reference(key: tuple[str, str, str], scores: pd.DataFrame) -> TrackedRun:
-    """The full-order model of a scene: what it was asked too."""
-    return TrackedRun(
-        f"{key[0]} {key[1]}",
-        {"scene": key[0], "method": key[1]},
-        _metrics(scores),
-        tags=_outcomes(scores),
-    )
+def _metrics(rows: list[Score]) -> dict[str, float]:
+    return {f"{row.experiment}/{row.metric}": row.value for row in rows}
 
 
-def _metrics(scores: pd.DataFrame | None) -> dict[str, float]:
-    if scores is None:
-        return {}
-    return {
-        f"{row.experiment}/{row.metric}": float(row.value)
-        for row in scores.itertuples()
-        if pd.notna(row.metric)
-    }
+def _outcomes(rows: list[Score]) -> dict[str, str]:
+    return {f"outcome.{row.experiment}": str(row.outcome) for row in rows}
 
 
-def _outcomes(scores: pd.DataFrame | None) -> dict[str, str]:
-    return (
-        {}
-        if scores is None
-        else {f"outcome.{row.experiment}": str(row.outcome) for row in scores.itertuples()}
-    )
-
-
-def _curves(losses: xr.Dataset) -> dict[str, tuple]:
+def _curves(losses: xr.Dataset | None) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Loss curves by name: losses/train_total, ..."""
+    if losses is None:
+        return {}
     epoch = losses["epoch"].values.astype(int)
     return {
         f"losses/{name}": (epoch, values.values)

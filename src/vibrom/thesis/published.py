@@ -14,18 +14,9 @@ import numpy as np
 import pandas as pd
 
 SOURCE = (
-    "A. Schouten, Leveraging Autoencoders To Enhance Model Order Reduction for Non-linear Mechanical Dynamical "
-    "Systems, MSc thesis, Delft University of Technology, October 2024"
+    "A. Schouten, Leveraging Autoencoders To Enhance Model Order Reduction for Non-linear "
+    "Mechanical Dynamical Systems, MSc thesis, Delft University of Technology, October 2024"
 )
-LABELS = {
-    "full_order": "Full order",
-    "modal_projection": "Modal projection",
-    "decoupled_autoencoder": "Decoupled AE",
-    "sindy_autoencoder": "SINDy AE",
-    "ssmlearn": "SSMLearn",
-    "split": "SPLIT",
-    "split_plus": "SPLIT+",
-}
 STATES = {
     ("small", "test"): 1,
     ("small", "train"): 2,
@@ -44,57 +35,51 @@ RUN_TIMES = (
 )
 
 
-def label(method: str) -> str:
-    """The thesis's name of a method, a variant's with what its own name adds (`SSMLearn 11`); a
-    method that it does not know keeps its own.
-    """
-    known = max(
-        (name for name in LABELS if f"{method}_".startswith(f"{name}_")), key=len, default=""
-    )
-    return LABELS.get(known, "") + method.removeprefix(known).replace("_", " ")
-
-
 @cache
 def table(name: str) -> pd.DataFrame:
-    """One published table as it was typed."""
+    """One published table as it was typed; an empty cell is a number that is not printed."""
     with (files("vibrom.thesis") / "tables" / f"{name}.csv").open(encoding="utf-8") as file:
-        return pd.read_csv(file)
+        return pd.read_csv(file, keep_default_na=False, na_values=[""])
+
+
+def _number(name: str, column: str, **where: str) -> float:
+    """The cell of a table in the row where these columns have these values; NaN where it has no
+    such row.
+    """
+    frame = table(name)
+    for key, value in where.items():
+        frame = frame[frame[key] == value]
+    return float(frame[column].iloc[0]) if len(frame) else np.nan
 
 
 def percent(name: str, case: str, method: str) -> tuple[float, str]:
     """NMTE [%] in table `reconstruction`, `decay` or `forced`, and `fails` where the thesis prints
     that instead.
     """
-    frame = table(name)
-    cells = frame.loc[frame["method"] == method, case] if case in frame.columns else []
-    if len(cells) == 0:
+    frame = table(name).set_index("method")
+    if case not in frame.columns or method not in frame.index:
         return np.nan, ""
-    text = str(cells.iloc[0])
-    return (np.nan, "fails") if text == "fails" else (float(text), "")
+    cell = frame.loc[method, case]
+    return (np.nan, "fails") if cell == "fails" else (float(cell), "")
 
 
 def eigenvalue(case: str, method: str) -> tuple[float, float]:
     """Real part [1/s] and imaginary part [rad/s]."""
-    frame = table("eigenvalues")
-    row = frame[(frame["method"] == method) & (frame["case"] == case)]
-    if not len(row):
-        return np.nan, np.nan
-    return float(row["real_per_s"].iloc[0]), float(row["imaginary_rad_per_s"].iloc[0])
+    return (
+        _number("eigenvalues", "real_per_s", case=case, method=method),
+        _number("eigenvalues", "imaginary_rad_per_s", case=case, method=method),
+    )
 
 
 def run_time(quantity: str, case: str, method: str) -> float:
     """Seconds; the thesis prints one number for its three cases."""
-    frame = table("run_times")
-    row = frame[frame["method"] == method]
     known = case in set(table("eigenvalues")["case"])
-    return float(row[quantity].iloc[0]) if len(row) and known else np.nan
+    return _number("run_times", quantity, method=method) if known else np.nan
 
 
 def release(case: str, role: str) -> float:
     """Initial displacement of the probe [m], role `train` or `test`."""
-    frame = table("releases")
-    row = frame[(frame["case"] == case) & (frame["role"] == role)]
-    return float(row["probe_m"].iloc[0]) if len(row) else np.nan
+    return _number("releases", "probe_m", case=case, role=role)
 
 
 def state(case: str, role: str) -> pd.Series:

@@ -6,7 +6,7 @@ PYSINDY_SETTINGS = ["modes", "degree", "threshold"]
 
 for KEY, VALUE in PYSINDY["settings"].items():
     if KEY not in PYSINDY_SETTINGS:
-        CURE = f"is no setting of pysindy_modal; {config_files.closest(KEY, PYSINDY_SETTINGS)}"
+        CURE = f"is no setting of pysindy_modal; {errors.closest(KEY, PYSINDY_SETTINGS)}"
         sys.exit(f"vibrom: config/methods/pysindy_modal.yaml: settings.{KEY} = {VALUE!r} {CURE}")
 
 

@@ -1,65 +1,74 @@
-"""Backbone curves: the amplitude at the probe against the frequency at which the decaying beam
-swings (figure 3.8).
+"""Figure 3.8: backbone curves
+
+Amplitude of the probe against the instantaneous angular frequency during the test decay, by peak
+finding and fitting. One seed of each method is drawn: the median one by decay NMTE. The frequency
+axis is chosen by the full order; models that lie outside it are named in the panel.
 """
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import FULL_ORDER, UNSEEDED, answered, probe_name
-from vibrom.report.figures import panels, style
-from vibrom.thesis import published as thesis
+from vibrom.report.collection import FULL_ORDER, answered, at_probe
+from vibrom.report.drawing import panels, style
+from vibrom.thesis.labels import label
+
+FAMILY = "models"
+PLACE = 480
+EACH = "run"
+
+
+def draw(collection, scores, scene=None) -> Figure:
+    """A panel a scene."""
+    figure, axes = panels.grid(
+        max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6
+    )
+    handles, looks = {}, style.looks(collection.methods)
+    for panel, name in zip(axes, collection.scenes):
+        panel.set(title=name, xlabel="angular frequency [rad/s]", ylabel="probe amplitude [m]")
+        truth = collection.find(name, FULL_ORDER, "backbone")
+        notes = [] if truth is not None else ["full order: not in this run"]
+        if curve(truth)[0].size:
+            line = panel.plot(*curve(truth), **style.FULL_ORDER)[0]
+            handles[label(FULL_ORDER)] = line
+        low, high = limits(panel, *curve(truth))
+        for index, (method, look) in enumerate(looks.items()):
+            _, backbone = panels.drawn(collection, scores, name, method, "backbone")
+            points = curve(backbone)
+            inside = ((points[0] >= low) & (points[0] <= high)).any()
+            if inside:
+                look = look | {"markevery": (index, 7), "linewidth": 0.9}
+                handles[label(method)] = panel.plot(*points, **look)[0]
+            if text := panels.ending(backbone, "backbone") or ("" if inside else absent(*points)):
+                notes.append(f"{label(method)}: {text}")
+        if notes:
+            panels.words(panel, "\n".join(notes), place="above")
+    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+    return figure
 
 
 def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
     """Frequency [rad/s] and amplitude [m] at the probe, without the padding."""
     if not answered(backbone):
         return np.array([]), np.array([])
-    probe = [str(name) for name in backbone["probe"].values].index(probe_name(backbone))
-    at_probe = backbone.transpose("probe", ...).isel(probe=probe)
-    frequency, amplitude = at_probe["angular_frequency"].values, at_probe["amplitude"].values
+    frequency, amplitude = (at_probe(backbone, name) for name in ("angular_frequency", "amplitude"))
     kept = np.isfinite(frequency) & np.isfinite(amplitude)
     return frequency[kept], amplitude[kept]
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    figure, axes = panels.grid(
-        max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6
-    )
-    handles = {}
-    for panel, name in zip(axes, collection.scenes):
-        panel.set(title=name, xlabel="angular frequency [rad/s]", ylabel="probe amplitude [m]")
-        truth = collection.find(name, FULL_ORDER, "backbone", UNSEEDED)
-        low, high = -np.inf, np.inf
-        if curve(truth)[0].size:
-            frequency, amplitude = curve(truth)
-            handles[thesis.label(FULL_ORDER)] = panel.plot(
-                frequency, amplitude, **style.FULL_ORDER
-            )[0]
-            # The hardening is a few rad/s: a model that is far off is named instead of squeezing
-            # all others together.
-            width = max(np.ptp(frequency), 2e-3 * np.abs(frequency).mean())
-            low, high = frequency.min() - 1.2 * width, frequency.max() + 1.2 * width
-            panel.set_xlim(low, high)
-            panel.set_ylim(0, 1.12 * amplitude.max())
-            panel.locator_params(axis="x", nbins=5)
-        said = [] if truth is not None else ["full order: not in this run"]
-        for index, method in enumerate(collection.methods):
-            seed, backbone = panels.drawn(collection, scores, name, method, "backbone")
-            points = curve(backbone)
-            inside = (points[0] >= low) & (points[0] <= high)
-            if inside.any():
-                line = style.look(index, markevery=(index, 7), linewidth=0.9)
-                handles[thesis.label(method)] = panel.plot(*points, **line)[0]
-            text = panels.ending(backbone, "backbone")
-            if not text and not inside.any():
-                text = (
-                    f"outside, {np.median(points[0]):.4g} rad/s"
-                    if points[0].size
-                    else "too few peaks"
-                )
-            if text:
-                said.append(f"{thesis.label(method)}: {text}")
-        if said:
-            panels.words(panel, "\n".join(said), place="above")
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
-    return figure
+def limits(panel, frequency: np.ndarray, amplitude: np.ndarray) -> tuple[float, float]:
+    """Of the frequency [rad/s]. The hardening is a few rad/s: a model that is far off is named
+    instead of squeezing all others together.
+    """
+    if not frequency.size:
+        return -np.inf, np.inf
+    width = max(np.ptp(frequency), 2e-3 * np.abs(frequency).mean())
+    low, high = frequency.min() - 1.2 * width, frequency.max() + 1.2 * width
+    panel.set_xlim(low, high)
+    panel.set_ylim(0, 1.12 * amplitude.max())
+    panel.locator_params(axis="x", nbins=5)
+    return low, high
+
+
+def absent(frequency: np.ndarray, amplitude: np.ndarray) -> str:
+    """Why a model is not in the panel."""
+    return f"outside, {np.median(frequency):.4g} rad/s" if frequency.size else "too few peaks"

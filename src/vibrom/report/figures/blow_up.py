@@ -1,14 +1,20 @@
-"""A reduced model that blows up under forcing: the first one found, the hardest case first (figure
-3.11).
+"""Figure 3.11: a reduced model that blows up
+
+The first forced run that a reduced model did not survive, looking at the hardest case first:
+displacement of the probe by the full order (wide, pale) and by the reduced model (dashed), up to
+the time at which it failed (dotted).
 """
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import FULL_ORDER, at_probe, scalar
-from vibrom.report.figures import panels, style
+from vibrom.artefacts.outcome import Severity
+from vibrom.report.collection import FULL_ORDER, at_probe, outcome, scalar
+from vibrom.report.drawing import panels, style
 
-FAILURES = ("diverged", "step_underflow", "no_convergence")
+FAMILY = "models"
+PLACE = 510
+EACH = "run"
 
 
 def first_failure(collection):
@@ -19,15 +25,14 @@ def first_failure(collection):
         for method in collection.methods:
             for seed in collection.seeds(scene, method):
                 run = collection.find(scene, method, "forced", seed)
-                failed = str(scalar(run, "outcome")) in FAILURES and np.isfinite(
-                    float(scalar(run, "failed_at"))
-                )
-                if run is not None and failed:
+                failed = outcome(run).severity is Severity.FAILURE
+                if failed and np.isfinite(float(scalar(run, "failed_at"))):
                     return scene, method, seed, run
     return None
 
 
 def draw(collection, scores, scene=None) -> Figure:
+    """One panel."""
     figure = Figure(figsize=(6.2, 2.9))
     axes = figure.subplots()
     axes.set(xlabel="time [s]", ylabel="probe displacement [m]")

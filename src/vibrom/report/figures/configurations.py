@@ -1,16 +1,24 @@
-"""The release states of all scenes in one picture, coloured by the size of the displacement (figure
-2.1).
+"""Figure 2.1: configurations of the beam
+
+All states from which the beam is released, drawn to scale and coloured by the size of the
+displacement; the number is the displacement of the probe (x = 0.525 m, bottom edge). Dashed: the
+beam at rest. In the largest two the beam folds over itself: its end points backwards.
 """
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vibrom.report.figures import body, panels
-from vibrom.report.figures.states import states
+from vibrom.report.drawing import body, panels
+from vibrom.report.drawing.states import states
+
+FAMILY = "models"
+PLACE = 420
+EACH = "run"
 
 
 def draw(collection, scores, scene=None) -> Figure:
+    """All states over one another."""
     figure = Figure(figsize=(6.2, 4.1))
     axes = figure.subplots()
     axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")

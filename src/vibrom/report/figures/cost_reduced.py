@@ -1,5 +1,9 @@
-"""Accuracy of the methods against what it costs: every setting that was studied, offline and
-online, with the Pareto front.
+"""Accuracy of the methods against what it costs
+
+Every setting that was studied (small markers), models as configured (large markers, median over
+seeds), and the Pareto front of all. Top: error over seconds offline, training data included;
+bottom: over seconds of one answer, beside those of the full order (dashed). Down and to the left
+is better.
 """
 
 import numpy as np
@@ -7,127 +11,70 @@ from matplotlib.figure import Figure
 
 from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, scalar
-from vibrom.report.figures import panels, style
+from vibrom.report.drawing import cost as drawing
+from vibrom.report.drawing import panels
 from vibrom.studies.work_precision import front
-from vibrom.thesis import published as thesis
+from vibrom.thesis.labels import label
 
-ASKED = {
-    "decay": "decay: NMTE [%]",
-    "forced": "forced run: NMTE [%]",
-    "frc": "response curve: error [%]",
-}
+FAMILY = "cost"
+PLACE = 620
+EACH = "run"
+GLANCE = True
+AXES = ("offline: data, mapping, dynamics [s]", "online: one answer [s]")
 TRUTH = {"decay": "test", "forced": "forced", "frc": "frc"}  # what the full-order model answers
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    table = cost.settings(cost.reduced(collection))
-    known, methods = list(dict.fromkeys(table["case"])), studied(table, collection)
-    figure = Figure(figsize=(8.6, 5.2 * max(1, len(known))))
-    axes = figure.subplots(2 * max(1, len(known)), 3, squeeze=False)
+    """Two rows a scene, a column a question."""
+    found = cost.pooled(collection)
+    scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
+    rows = 2 * max(1, len(scenes))
+    figure = Figure(figsize=(8.6, 2.6 * rows))
+    axes = figure.subplots(rows, 3, squeeze=False)
+    for row, line in enumerate(axes):
+        for panel, words in zip(line, drawing.ERRORS.values()):
+            panel.set(ylabel=words, xlabel=AXES[row % 2], xscale="log", yscale="log")
+    if not scenes:
+        panels.words(axes[0, 0], drawing.NOT_STUDIED)
     handles: dict = {}
-    for row in range(2 * max(1, len(known))):
-        for panel, said in zip(axes[row], ASKED.values()):
-            panel.set(
-                ylabel=said,
-                xlabel=("offline: data, mapping, dynamics [s]", "online: one answer [s]")[row % 2],
-                xscale="log",
-                yscale="log",
-            )
-    if not known:
-        panels.words(axes[0, 0], "no scene of this run was studied")
-    for index, name in enumerate(known):
-        group = table[table["case"] == name]
-        axes[2 * index, 0].set_title(name)
-        for column, question in enumerate(ASKED):
-            for panel, price in zip(
-                axes[2 * index : 2 * index + 2, column], ("offline_s", f"{question}_s")
-            ):
-                handles = (
-                    points(panel, group, price, f"{question}_error_percent", methods) | handles
-                )
-            silent(axes[2 * index, column], group, f"{question}_error_percent")
-            full = float(scalar(collection.find(name, FULL_ORDER, TRUTH[question]), "seconds"))
-            if np.isfinite(full):
-                mark(axes[2 * index + 1, column], full)
-    for panel in axes.flat:
-        panels.decades(panel.xaxis)
-        panels.decades(panel.yaxis)
-    figure.legend(*ordered(handles, methods), loc="outside lower center", ncols=5)
+    for name, above, below in zip(scenes, axes[::2], axes[1::2]):
+        mine = [one for one in found if one.scene == name]
+        above[0].set_title(name)
+        for question, offline, online in zip(drawing.ERRORS, above, below):
+            handles |= points(offline, mine, "offline", question, looks)
+            handles |= points(online, mine, question, question, looks)
+            drawing.name_silent(offline, mine, question)
+            truth = collection.find(name, FULL_ORDER, TRUTH[question])
+            mark(online, float(scalar(truth, "seconds")))
+    drawing.finish(figure, handles, looks)
     return figure
 
 
-def studied(table, collection) -> list[str]:
-    """The methods of the run, so that each looks as in its other figures, then any that only the
-    study has.
-    """
-    return list(dict.fromkeys([*collection.methods, *table["method"]]))
-
-
-def ordered(handles: dict, methods: list[str]) -> tuple[list, list[str]]:
-    """Handles and labels in the order of the run, others last."""
-    labels = [thesis.label(method) for method in methods]
-    names = sorted(handles, key=lambda name: labels.index(name) if name in labels else len(labels))
-    return [handles[name] for name in names], names
-
-
-def points(panel, group, price: str, error: str, methods: list[str]) -> dict:
+def points(panel, found: list[cost.Pooled], price: str, question: str, looks: dict) -> dict:
     """Small markers for settings that were varied, large ones as configured, and a grey line for
     the front of all.
     """
     handles = {}
-    for method in dict.fromkeys(group["method"]):
-        look = style.look(methods.index(method), linestyle="none")
-        mine = group[(group["method"] == method) & group[error].notna()]
-        usual = mine["varied"] == cost.CONFIGURED
-        panel.plot(
-            mine[price][~usual],
-            mine[error][~usual],
-            **look | {"markersize": 3.2, "markeredgewidth": 0.7},
-        )
-        if usual.any():
-            handles[thesis.label(method)] = panel.plot(
-                mine[price][usual],
-                mine[error][usual],
-                **look | {"markersize": 7, "markeredgewidth": 1.5},
-            )[0]
-    cost_of, error_of = group[price].to_numpy(float), group[error].to_numpy(float)
-    best = front(cost_of, error_of)
+    for method, group in cost.of_methods(found).items():
+        look = looks[method] | {"linestyle": "none"}
+        varied = drawing.known(group, price, question, configured=False)
+        panel.plot(*varied, **look | {"markersize": 3.2, "markeredgewidth": 0.7})
+        usual = drawing.known(group, price, question, configured=True)
+        if usual.size:
+            large = look | {"markersize": 7, "markeredgewidth": 1.5}
+            handles[label(method)] = panel.plot(*usual, **large)[0]
+    seconds = np.array([drawing.cost(one, price) for one in found])
+    errors = np.array([one.error[question] for one in found])
+    best = front(seconds, errors)
     if len(best):
-        handles["Pareto front"] = panel.step(
-            cost_of[best], error_of[best], where="post", color="0.6", linewidth=1.4, zorder=0
-        )[0]
+        grey = {"where": "post", "color": "0.6", "linewidth": 1.4, "zorder": 0}
+        handles["Pareto front"] = panel.step(seconds[best], errors[best], **grey)[0]
     return handles
 
 
-def silent(panel, group, error: str) -> None:
-    """Names, above the panel, the methods of which no setting has this answer."""
-    lost = [
-        thesis.label(method)
-        for method, mine in group.groupby("method", sort=False)
-        if mine[error].isna().all()
-    ]
-    if lost:
-        lines = [
-            "no setting has an answer:",
-            *(", ".join(lost[first : first + 3]) for first in range(0, len(lost), 3)),
-        ]
-        panel.set_title(
-            "\n".join([panel.get_title(loc="left"), *lines]).strip(),
-            fontsize=6.5,
-            weight="normal",
-            style="italic",
-        )
-
-
 def mark(panel, full: float) -> None:
-    panel.axvline(full, color="black", linewidth=1.1, linestyle=(0, (4, 2)))
-    panel.text(
-        full,
-        0.98,
-        "full order ",
-        rotation=90,
-        ha="right",
-        va="top",
-        fontsize=6.5,
-        transform=panel.get_xaxis_transform(),
-    )
+    """The seconds of the full order, dashed."""
+    if np.isfinite(full):
+        panel.axvline(full, color="black", linewidth=1.1, linestyle=(0, (4, 2)))
+        where = {"rotation": 90, "ha": "right", "va": "top", "fontsize": 6.5}
+        panel.text(full, 0.98, "full order ", **where, transform=panel.get_xaxis_transform())

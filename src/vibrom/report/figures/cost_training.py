@@ -1,71 +1,66 @@
-"""Error as training proceeds: each point is a model that was trained for so long; polynomial fits
-beside them, by order.
+"""Error as training proceeds
+
+Each small marker is a model of its own, trained for a given number of epochs with the whole
+learning-rate schedule, and placed at the seconds that it took; polynomial fits stand beside them,
+by order p. Large markers are the models as configured. A gap is a model that failed.
 """
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from vibrom.report import cost
-from vibrom.report.figures import panels, style
-from vibrom.report.figures.cost_reduced import ASKED, ordered, silent, studied
-from vibrom.thesis import published as thesis
+from vibrom.report.drawing import cost as drawing
+from vibrom.report.drawing import panels
+from vibrom.thesis.labels import label
 
+FAMILY = "cost"
+PLACE = 630
+EACH = "run"
+GLANCE = True
 EPOCHS = ("epochs", "start.epochs")
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    table = cost.settings(cost.reduced(collection))
-    known, methods = list(dict.fromkeys(table["case"])), studied(table, collection)
-    figure = Figure(figsize=(8.6, 2.9 * max(1, len(known)) + 0.4))
-    axes = figure.subplots(max(1, len(known)), 3, squeeze=False)
+    """A row a scene, a column a question."""
+    found = cost.pooled(collection)
+    scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
+    rows = max(1, len(scenes))
+    figure = Figure(figsize=(8.6, 2.9 * rows + 0.4))
+    axes = figure.subplots(rows, 3, squeeze=False)
+    for panel, words in zip(axes.flat, [*drawing.ERRORS.values()] * rows):
+        panel.set(xlabel="fit: mapping and dynamics [s]", ylabel=words, xscale="log", yscale="log")
+    if not scenes:
+        panels.words(axes[0, 0], drawing.NOT_STUDIED)
     handles: dict = {}
-    for panels_of_row in axes:
-        for panel, said in zip(panels_of_row, ASKED.values()):
-            panel.set(
-                xlabel="fit: mapping and dynamics [s]", ylabel=said, xscale="log", yscale="log"
-            )
-    if not known:
-        panels.words(axes[0, 0], "no scene of this run was studied")
-    for row, name in zip(axes, known):
+    for name, row in zip(scenes, axes):
         row[0].set_title(name)
-        for panel, question in zip(row, ASKED):
-            group = table[table["case"] == name]
-            for index, method in enumerate(methods):
-                handles |= lines(
-                    panel,
-                    group[group["method"] == method],
-                    f"{question}_error_percent",
-                    index,
-                    thesis.label(method),
-                )
-            silent(panel, group, f"{question}_error_percent")
-    for panel in axes.flat:
-        panels.decades(panel.xaxis)
-        panels.decades(panel.yaxis)
-    figure.legend(*ordered(handles, methods), loc="outside lower center", ncols=5)
+        mine = [one for one in found if one.scene == name]
+        for panel, question in zip(row, drawing.ERRORS):
+            for method, group in cost.of_methods(mine).items():
+                handles |= lines(panel, group, question, looks[method])
+            drawing.name_silent(panel, mine, question)
+    drawing.finish(figure, handles, looks)
     return figure
 
 
-def lines(panel, mine: pd.DataFrame, error: str, index: int, label: str) -> dict:
+def lines(panel, found: list[cost.Pooled], question: str, look: dict) -> dict:
     """A line over the lengths of training, in epochs, or, of a method that does not train, over its
     orders; a large marker as configured. Failures are gaps.
     """
-    usual = mine[(mine["varied"] == cost.CONFIGURED) & mine[error].notna()]
-    trained = mine[mine["varied"].isin(EPOCHS)]
-    chosen = trained if len(trained) else mine[mine["varied"].str.startswith("order")]
-    large = style.look(index, linestyle="none", markersize=7, markeredgewidth=1.5)
-    handles = {label: panel.plot(usual["fit_s"], usual[error], **large)[0]} if len(usual) else {}
-    if chosen[error].notna().any():
-        handles[label] = panel.plot(chosen["fit_s"], chosen[error], **style.look(index))[0]
-    for x, y, said in zip(chosen["fit_s"], chosen[error], chosen["set_to"]):
-        if np.isfinite(y):
-            panel.annotate(
-                said if len(trained) else f"p = {said}",
-                (x, y),
-                textcoords="offset points",
-                xytext=(3, 3),
-                fontsize=5.5,
-                color="0.35",
-            )
+    handles = {}
+    usual = drawing.known(found, "fit", question, configured=True)
+    if usual.size:
+        large = look | {"linestyle": "none", "markersize": 7, "markeredgewidth": 1.5}
+        handles[label(found[0].method)] = panel.plot(*usual, **large)[0]
+    trained = [one for one in found if one.varied in EPOCHS]
+    chosen = trained or [one for one in found if one.varied.startswith("order")]
+    errors = [one.error[question] for one in chosen]
+    if np.isfinite(errors).any():
+        seconds = [one.fit for one in chosen]
+        handles[label(found[0].method)] = panel.plot(seconds, errors, **look)[0]
+    small = {"textcoords": "offset points", "xytext": (3, 3), "fontsize": 5.5, "color": "0.35"}
+    for one, error in zip(chosen, errors):
+        if np.isfinite(error):
+            words = one.set_to if trained else f"p = {one.set_to}"
+            panel.annotate(words, (one.fit, error), **small)
     return handles

@@ -1,12 +1,23 @@
-"""The test decay at the probe, every method against the full order (figures 3.5, 3.6 and 3.7)."""
+"""Figures 3.5 to 3.7: the predicted decay
+
+Displacement of the probe (x = 0.525 m, bottom edge) in the test decay: full order (wide, pale)
+and each reduced model (thin, dashed), with the NMTE over all displacements in the title. One seed
+is drawn, named in the title: the median one by decay NMTE. The vertical axis is chosen by the
+full order. A model that failed or left its training range says so in its panel.
+"""
 
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import answered, at_probe
-from vibrom.report.figures import panels, style
+from vibrom.report.drawing import panels, style
+
+FAMILY = "models"
+PLACE = 470
+EACH = "scene"
 
 
 def draw(collection, scores, scene) -> Figure:
+    """A panel a method."""
     figure, axes = panels.grid(
         max(1, len(collection.methods)), columns=2, size=(4.4, 1.65), legend=0.45, sharex=True
     )

@@ -1,5 +1,9 @@
-"""The shape at the largest probe displacement of the last forced period, models over the full order
-(figure 3.10).
+"""Figure 3.10: largest shapes under forcing
+
+The shape of the beam at the largest probe displacement of the last forced period: full order
+filled, reduced model as an outline. Displacements that are too small to see are magnified by the
+factor in the heading. One seed is drawn, named in the title: the median one by decay NMTE. A
+model that failed says so.
 """
 
 import numpy as np
@@ -7,12 +11,17 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, scalar
-from vibrom.report.figures import body, panels
+from vibrom.report.drawing import body, panels
+
+FAMILY = "models"
+PLACE = 500
+EACH = "run"
 
 WIDTH = 2.3  # [inches] of a panel
 
 
 def draw(collection, scores, scene=None) -> Figure:
+    """A block a scene, a panel a method."""
     scenes, methods = collection.scenes or [""], collection.methods or [""]
     across = min(4, len(methods))
     blocks = [Block(collection, scores, name, methods) for name in scenes]
@@ -91,6 +100,7 @@ class Block:
 
     @property
     def panel_height(self) -> float:
+        """[inches], by the aspect of the limits."""
         (left, right), (bottom, top) = self.limits
         return min(3.5, (WIDTH - 0.55) * (top - bottom) / (right - left) + 0.62)
 

@@ -1,16 +1,25 @@
-"""Loss histories of the methods that train: totals and their terms, on training and test data
-(figure 3.3).
+"""Figure 3.3: losses during training
+
+Total loss (heavy) and its terms before they are weighted (thin, with markers) against the epoch,
+on training data (solid) and, where it is recorded, on the test trajectory (dashed). One seed is
+drawn, named in the title: the median one by decay NMTE. Methods that solve for their coefficients
+directly have no history and are listed above. The thesis shows the case large.
 """
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrom.report.figures import panels, style
-from vibrom.thesis import published as thesis
+from vibrom.report.drawing import panels, style
+from vibrom.thesis.labels import label
+
+FAMILY = "models"
+PLACE = 450
+EACH = "scene"
 
 
 def draw(collection, scores, scene) -> Figure:
+    """A panel a method."""
     histories, without = [], []
     for method in collection.methods:
         seed, losses = panels.drawn(collection, scores, scene, method, "losses")
@@ -19,7 +28,7 @@ def draw(collection, scores, scene) -> Figure:
             or losses.sizes.get("epoch", 0) == 0
             or not np.isfinite(losses["train_total"].values).any()
         ):
-            without.append(thesis.label(method))
+            without.append(label(method))
         else:
             histories.append((method, seed, losses))
     figure, axes = panels.grid(max(1, len(histories)), columns=2, size=(4.1, 2.2), legend=0.7)
@@ -54,7 +63,7 @@ def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
     alike in all panels.
     """
     epoch, handles = losses["epoch"].values, {}
-    for role, dashes, said in (("train", "-", "training"), ("test", (0, (4, 1.5)), "test")):
+    for role, dashes, words in (("train", "-", "training"), ("test", (0, (4, 1.5)), "test")):
         for index, term in enumerate(["total", *terms]):
             if f"{role}_{term}" not in losses:
                 continue
@@ -70,7 +79,7 @@ def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
                     markevery=(first, every),
                 )
             values = losses[f"{role}_{term}"].values
-            line["label"] = f"{term.replace('_', ' ')}, {said}"
+            line["label"] = f"{term.replace('_', ' ')}, {words}"
             handles[line["label"]] = panel.plot(
                 epoch, np.where(values > 0, values, np.nan), **line
             )[0]

@@ -1,14 +1,25 @@
-"""Each release state on its own, with its displacements and the scenes that use it (figure 3.1)."""
+"""Figure 3.1: release states
+
+Each state that training and test decays start from, with the displacement in y of the probe (x =
+0.525 m, bottom edge; the thesis prints it as the tip's) and of the true tip, and the cases that
+use it. Each is the displacement at one step of a run forced from rest; velocity and acceleration
+are then set to zero. Dashed: the beam at rest.
+"""
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vibrom.report.figures import body, panels
-from vibrom.report.figures.states import states
+from vibrom.report.drawing import body, panels
+from vibrom.report.drawing.states import states
+
+FAMILY = "models"
+PLACE = 430
+EACH = "run"
 
 
 def draw(collection, scores, scene=None) -> Figure:
+    """A panel a state."""
     found = states(collection)
     figure, axes = panels.grid(
         max(1, len(found)), columns=3, size=(3.0, 2.5), sharex=True, sharey=True

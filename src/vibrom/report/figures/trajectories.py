@@ -1,10 +1,18 @@
-"""The decays to learn from and to be tested on, at the probe (figure 3.2)."""
+"""Figure 3.2: training and test decays
+
+Displacement of the probe during the free decays of the full-order model: the methods learn from
+the training decay and are tested on the other, which starts from a smaller state.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, at_probe
-from vibrom.report.figures import panels
+from vibrom.report.drawing import panels
+
+FAMILY = "models"
+PLACE = 440
+EACH = "run"
 
 LINES = {
     "train": {"color": "0.55", "linewidth": 1.0, "label": "training"},
@@ -13,12 +21,13 @@ LINES = {
 
 
 def draw(collection, scores, scene=None) -> Figure:
+    """A panel a scene."""
     figure, axes = panels.grid(
         max(1, len(collection.scenes)), columns=3, size=(3.1, 2.3), legend=0.25
     )
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel="time [s]", ylabel="probe displacement [m]")
-        said = []
+        notes = []
         for role, line in LINES.items():
             run = collection.find(name, FULL_ORDER, role)
             if run is not None and np.isfinite(at_probe(run, "probe_displacement")).any():
@@ -29,9 +38,9 @@ def draw(collection, scores, scene=None) -> Figure:
                     **line,
                 )
             if text := panels.ending(run, f"{role} run"):
-                said.append(f"{role}: {text}" if run is not None else text)
-        if said:
-            panels.words(panel, "\n".join(said))
+                notes.append(f"{role}: {text}" if run is not None else text)
+        if notes:
+            panels.words(panel, "\n".join(notes))
     handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
     figure.legend(*handles, loc="outside lower center", ncols=2)
     return figure

@@ -82,7 +82,7 @@ def equilibrium(
     tolerance: float = 1e-8,
     max_iterations: int = 15,
 ) -> np.ndarray:
-    """Q (n,) [m] under the dead load and `signal` times the load, reached from `start` in about
+    """q (n,) [m] under the dead load and `signal` times the load, reached from `start` in about
     `steps` steps.
 
     The load grows in a straight line from the one that holds `start`. A step that does not converge

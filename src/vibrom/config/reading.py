@@ -1,0 +1,164 @@
+"""Scenes, methods and studies: read, laid over, checked against what their plugs declare."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from vibrom.config import files, plugs
+from vibrom.config.check import checked
+from vibrom.config.errors import SettingsError
+from vibrom.config.layers import Layers, Sources
+from vibrom.config.method_file import MethodFile
+from vibrom.config.scene import SHAPE, Block, Scene
+from vibrom.config.sweeps import check_sweeps
+
+
+def block(layers: Layers, path: tuple, kind: type[Block], without: str = "") -> dict[str, Any]:
+    """The block at `path`, checked; one key of it may be another's business."""
+    given: Any = layers.content
+    for key in path:
+        given = given.get(key, {})
+    own = {key: value for key, value in given.items() if key != without}
+    return checked(own, kind, path, layers.refuse)
+
+
+def needed(experiments: Iterable[str], studies: Iterable[str]) -> set[str]:
+    """The experiments of a run with those that they, or its studies, read or compare with."""
+    known, found = plugs.names("experiments"), set()
+    todo = [*experiments]
+    for study in set(studies) & set(plugs.names("studies")):
+        todo += plugs.constants("studies", study).get("experiments", ())
+    while todo:
+        name = todo.pop()
+        if name in known and name not in found:
+            found.add(name)
+            constants = plugs.constants("experiments", name)
+            todo += [*constants.get("reads", ()), str(constants.get("truth"))]
+    return found
+
+
+def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Scene:
+    """A scene's file with what is laid over it; `asked` are the experiments that it sets."""
+    file = folder / "scenes" / f"{name}.yaml"
+    layers = Layers(files.read(file), (file, ()))
+    sources.lay_over(layers, "scene_settings", name)
+    given = layers.content
+    if "name" in given:
+        layers.refuse(("name",), given["name"], "is that of the file; remove it")
+    kind = plugs.declared("vibrom.config.scene", "Scene")
+    plain = checked({**given, "name": name}, kind, (), layers.refuse)
+    shape = given["body"].get("shape", SHAPE)
+    layers.check_known(("body", "shape"), shape, plugs.names("bodies"), "body")
+    body = block(layers, ("body",), plugs.settings_of("bodies", shape), without="shape")
+    plain["body"] = {"shape": shape, **body}
+    for key in ("clamped", "probes"):
+        if key in body and not body[key]:
+            layers.refuse(("body", key), body[key], "is empty; name at least one")
+    plain["effects"] = _effects(layers)
+    plain["experiments"] = _experiments(layers, set(asked))
+    _check_scene(plain, layers)
+    return Scene.from_builtins(plain)
+
+
+def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
+    """In the order in which they add up."""
+    given = layers.content["effects"]
+    if not given:
+        layers.refuse(("effects",), given, "is empty, and nothing moves without; list some")
+    for name in given:
+        layers.check_known(("effects", name), name, plugs.names("effects"), "effect")
+    return {
+        name: block(layers, ("effects", name), plugs.settings_of("effects", name))
+        for name in plugs.in_order(given)
+    }
+
+
+def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
+    """Settings of every experiment that the scene sets, that is asked, or that needs none."""
+    given, known = layers.content.get("experiments", {}), plugs.names("experiments")
+    for name in given:
+        layers.check_known(("experiments", name), name, known, "experiment")
+    made = {}
+    for name in known:
+        kind = plugs.settings_of("experiments", name)
+        if name in given or name in asked or not plugs.must_be_given(kind):
+            made[name] = block(layers, ("experiments", name), kind)
+    return made
+
+
+def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
+    """What no single entry says."""
+    train, test = plain["releases"]["train"], plain["releases"]["test"]
+    if train == test:
+        cure = "is the training state; give another forcing or step"
+        layers.refuse(("releases", "test"), test, cure)
+    time = plain["time"]
+    if time["steps_per_period"] % time["every"]:
+        cure = f"does not divide steps_per_period = {time['steps_per_period']}; choose a divisor"
+        layers.refuse(("time", "every"), time["every"], cure)
+
+
+def method(sources: Sources, folder: Path, name: str) -> MethodFile:
+    """A method's file with the settings that are laid over its own, complete."""
+    file = folder / "methods" / f"{name}.yaml"
+    whole = Layers(files.read(file), (file, ()))
+    kind = plugs.declared("vibrom.config.method_file", "MethodFile")
+    plain = checked(whole.content, kind, (), whole.refuse)
+    layers = Layers(whole.content.get("settings", {}), (file, ("settings",)))
+    sources.lay_over(layers, "method_settings", name)
+    if plain["rule"] is not None:  # an outside method knows its own settings
+        for key, needed in (("method", False), ("rom_class", True)):
+            if needed and plain[key] is None:
+                whole.refuse((key,), None, "is missing; `rule` needs it, add it")
+            if not needed and plain[key] is not None:
+                cure = "has no use beside `rule`, which fits the model; remove one of them"
+                whole.refuse((key,), plain[key], cure)
+        settings = checked(layers.content, dict[str, Any], (), layers.refuse)
+        return MethodFile.from_builtins(plain | {"settings": settings})
+    known = plugs.names("methods")
+    if plain["method"] is not None:
+        whole.check_known(("method",), plain["method"], known, "file of src/vibrom/methods")
+    elif name not in known:
+        cure = (
+            f"belongs to no src/vibrom/methods/{name}.py; write that file, name the `method` of "
+            "which it is a variant, or give the `rule` of an outside method"
+        )
+        whole.refuse((), None, cure)
+    chosen = plain["method"] or name
+    settings = block(layers, (), plugs.settings_of("methods", chosen))
+    return MethodFile.from_builtins(plain | {"method": chosen, "settings": settings})
+
+
+def check_starts(methods: dict[str, MethodFile], folder: Path) -> None:
+    """A method's start is in the run, and is fitted no more often than the method."""
+    for name, given in methods.items():
+        start, file = given.starts_from, folder / "methods" / f"{name}.yaml"
+        if start is not None and (start not in methods or start == name):
+            cure = f"is not among the methods of this run; add it to methods, or leave {name} out"
+            raise SettingsError(file, "starts_from", start, cure)
+        if start is not None and methods[start].seeded and not given.seeded:
+            cure = f"but its start {start} is trained from seeds; set it to true"
+            raise SettingsError(file, "seeded", False, cure)
+
+
+def study(
+    layers: Layers, name: str, folder: Path, scenes: Iterable[str], methods: dict[str, MethodFile]
+) -> dict[str, Any]:
+    """The settings of a study, for those of its scenes that run."""
+    layers.check_known(("studies", name), name, plugs.names("studies"), "study")
+    made = block(layers, ("studies", name), plugs.settings_of("studies", name))
+    known, chosen = stems(folder, "scenes"), made["scenes"]
+    for place, scene in enumerate(chosen or ()):
+        layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
+    made["scenes"] = [scene for scene in scenes if chosen is None or scene in chosen]
+    if "reduced" in made:
+        path, known = ("studies", name, "reduced"), stems(folder, "methods")
+        for method in made["reduced"]:
+            layers.check_known((*path, method), method, known, "method")
+        made["reduced"] = check_sweeps(made["reduced"], methods, path, layers)
+    return made
+
+
+def stems(folder: Path, kind: str) -> list[str]:
+    """The names of the files in config/scenes or config/methods."""
+    return sorted(path.stem for path in (folder / kind).glob("*.yaml"))

@@ -1,0 +1,1 @@
+"""What figures share: their style, panels with words, deformed bodies."""

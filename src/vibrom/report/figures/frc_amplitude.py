@@ -1,0 +1,27 @@
+"""Figure 3.12: forced response curves, amplitude
+
+Largest displacement of the probe in the last forced period against the forcing frequency, every
+point started from rest. One seed of each method is drawn: the median one by decay NMTE. Points
+without a value are missing from the curve, and the panel counts what is left and says how the
+others ended.
+"""
+
+import numpy as np
+
+from vibrom.report.collection import FULL_ORDER, at_probe
+from vibrom.report.drawing import response
+
+FAMILY = "models"
+PLACE = 540
+EACH = "run"
+
+
+def draw(collection, scores, scene=None):
+    """The vertical axis is chosen by the full order, so that a blow-up does not flatten it."""
+    figure, notes = response.draw(collection, scores, "amplitude", "probe amplitude [m]", "left")
+    for panel, name, count in zip(figure.axes, collection.scenes, notes):
+        truth = collection.find(name, FULL_ORDER, "frc")
+        if truth is not None and np.isfinite(at_probe(truth, "amplitude")).any():
+            top = min(1.7 * float(np.nanmax(at_probe(truth, "amplitude"))), panel.dataLim.y1)
+            panel.set_ylim(-0.03 * top, top * (1.08 + 0.055 * count))
+    return figure

@@ -1,0 +1,53 @@
+"""Energy of decays from random states
+
+Mechanical energy of the decoded motion over that at rest, mean over each period, of runs released
+up to the given distance beyond the training range. The structure's damping is positive: the
+energy of a model that has learnt it falls. A line a release and guard, of the median seed.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report import robustness
+from vibrom.report.drawing import panels, style
+
+FAMILY = "robustness"
+PLACE = 820
+EACH = "scene"
+
+
+def draw(collection, scores, scene) -> Figure:
+    """A panel a method."""
+    found = {
+        method: panels.drawn(collection, scores, scene, method, "robustness")
+        for method in collection.methods
+    }
+    found = {method: drawn for method, drawn in found.items() if drawn[1] is not None}
+    figure, axes = panels.grid(max(1, len(found)), columns=3, size=(3.0, 2.2), legend=0.4)
+    handles: dict = {}
+    for panel, (method, (seed, answer)) in zip(axes, found.items()):
+        for place, guard in enumerate(answer["guard"].values):
+            line = decays(panel, answer.isel(integrator=0).sel(guard=guard), place)
+            handles.setdefault(str(guard), line)
+        panel.set(title=panels.title(method, seed))
+    for panel in axes:
+        panel.set(xlabel="time after release [periods]", ylabel="energy [J]")
+    if handles:
+        words = list(handles)
+        figure.legend(list(handles.values()), words, loc="outside lower center", ncols=len(words))
+    else:
+        panels.words(axes[0], "no robustness tests in this run")
+    return figure
+
+
+def decays(panel, answer, place: int):
+    """With one guard; how many failed stands in the panel."""
+    energy = answer["energy"].values
+    look = style.look(place, marker="", linewidth=0.7)
+    periods, positive = np.arange(1, energy.shape[1] + 1), np.where(energy > 0, energy, np.nan)
+    line = panel.semilogy(periods, positive.T, **look)[0]
+    gone = int((~np.isfinite(energy[:, -1])).sum())
+    if gone and robustness.evaluated(answer):
+        text = f"{answer['guard'].item()}: {gone} of {len(energy)} decays failed"
+        panels.words(panel, text, place="above" if place == 0 else "below")
+    return line

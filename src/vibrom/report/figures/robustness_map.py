@@ -1,0 +1,79 @@
+"""Where models fail, by forcing and frequency
+
+Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the
+scene's) and frequency (times the damped first frequency) of that place. A dot: most seeds left
+their training range and went all the way. A row a method, a column a guard; first integrator.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.artefacts.outcome import Outcome
+from vibrom.report import robustness
+from vibrom.report.drawing import panels
+from vibrom.studies.grid import KINDS
+from vibrom.thesis.labels import label
+
+FAMILY = "robustness"
+PLACE = 810
+EACH = "scene"
+SMALL = 6
+
+
+def draw(collection, scores, scene) -> Figure:
+    """A row a method, a column a guard."""
+    groups = [
+        group for group in robustness.groups(collection) if group.scene == scene and group.first
+    ]
+    guards, methods = (
+        list(dict.fromkeys(getattr(group, name) for group in groups))
+        for name in ("guard", "method")
+    )
+    figure, axes = panels.grid(
+        max(1, len(groups)),
+        columns=max(1, len(guards)),
+        size=(2.5, 1.35),
+        legend=0.5,
+        sharex=True,
+        sharey=True,
+    )
+    image = None
+    for panel, group in zip(axes, groups):
+        image = failures(panel, group) or image
+        panel.set_ylabel("forcing [of the scene's]", fontsize=SMALL)
+        panel.set_xlabel("frequency [of the first]", fontsize=SMALL)
+        panel.yaxis.label.set_visible(group.guard == guards[0])
+        panel.xaxis.label.set_visible(group.method == methods[-1])
+    if image is None:
+        panels.words(axes[0], "no robustness tests in this run")
+    else:
+        words = "part of the seeds that failed"
+        figure.colorbar(image, ax=axes, location="bottom", shrink=0.4, aspect=40, label=words)
+    return figure
+
+
+def failures(panel, group: robustness.Group):
+    """The image, where there was a model to evaluate."""
+    name = f"{label(group.method)}, {group.guard}"
+    runs = [answer.isel(run=answer["kind"].values == KINDS[0]) for answer in group.answers]
+    good = [run for run in runs if robustness.evaluated(run)]
+    if not good:
+        panel.set_title(name, fontsize=SMALL)
+        panels.words(panel, robustness.endings(runs)[0].sentence)
+        return None
+    frequency, forcing = (np.unique(good[0][axis].values) for axis in ("frequency", "forcing"))
+    # (seed, forcing, frequency): the runs are in the order of the grid
+    ended = np.array([robustness.endings([run]) for run in good], dtype=object)
+    ended = ended.reshape(len(good), len(forcing), len(frequency))
+    lost = np.vectorize(lambda one: not one.has_value, otypes=[bool])(ended)
+    outside = (ended == Outcome.LEFT_RANGE).mean(axis=0) > 0.5
+    edges = (-0.5, len(frequency) - 0.5, -0.5, len(forcing) - 0.5)
+    look = {"cmap": "Reds", "vmin": 0.0, "vmax": 1.0, "origin": "lower", "aspect": "auto"}
+    image = panel.imshow(lost.mean(axis=0), extent=edges, **look)
+    panel.plot(*np.nonzero(outside)[::-1], ".", color="0.45", markersize=2.2)
+    panel.grid(False)
+    ticks = np.linspace(0, len(frequency) - 1, min(4, len(frequency))).astype(int)
+    panel.set_xticks(ticks, [f"{frequency[tick]:.3g}" for tick in ticks])
+    panel.set_yticks(range(len(forcing)), [f"{level:g}" for level in forcing])
+    panel.set_title(f"{name}: {lost.sum()} of {lost.size} failed", fontsize=SMALL)
+    return image

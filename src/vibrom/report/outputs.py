@@ -1,0 +1,130 @@
+"""The tables and figures of a run, found by listing their files; nothing numerical is imported.
+
+A table is a file in report/tables, a figure one in report/figures. Its docstring is its caption: a
+title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or the name of a study;
+PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene"; and
+GLANCE of a figure that stands near the top of the page. An experiment without a table of its own
+has one of its scores.
+"""
+
+import ast
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import NamedTuple
+
+from vibrom.config import plugs, source
+
+FORMATS = {"tables": ("csv", "tex", "html"), "figures": ("svg", "pdf", "png")}
+MODELS = "models"
+NEEDED = {"tables": ("FAMILY", "PLACE"), "figures": ("FAMILY", "PLACE", "EACH")}
+SCORES = (
+    "Median over seeds, smallest and largest in parentheses. Failed seeds are left out, and there "
+    "is no median where as many failed as did not; the outcome says how the seeds ended."
+)
+
+
+class Drawing(NamedTuple):
+    """A figure to be drawn."""
+
+    plug: str
+    scene: str | None  # None: of the whole run
+
+
+class Caption(NamedTuple):
+    """What stands below a table or a figure."""
+
+    title: str
+    paragraphs: tuple[str, ...]
+
+    @property
+    def rst(self) -> str:
+        """As reStructuredText, for Snakemake's report."""
+        return "\n\n".join([f"**{self.title}**", *self.paragraphs]) + "\n"
+
+
+@cache
+def _listed(kind: str) -> dict[str, dict]:
+    """Name -> constants of each table or figure, in reading order."""
+    found = {
+        name: plugs.constants(f"report/{kind}", name) for name in plugs.names(f"report/{kind}")
+    }
+    for name, constants in found.items():
+        missing = [need for need in NEEDED[kind] if need not in constants]
+        if missing:
+            raise ValueError(f"report/{kind}/{name}.py: no {', '.join(missing)}; see {__name__}")
+    return dict(sorted(found.items(), key=lambda item: (item[1]["PLACE"], item[0])))
+
+
+def families() -> list[str]:
+    """All families that have a table or a figure, in reading order."""
+    every = [constants for kind in FORMATS for constants in _listed(kind).values()]
+    return list(dict.fromkeys(constants["FAMILY"] for constants in every))
+
+
+def tables(family: str, experiments: Iterable[str] = ()) -> list[str]:
+    """The tables of a family, those of the scores of these experiments included."""
+    own = [name for name, constants in _listed("tables").items() if constants["FAMILY"] == family]
+    return own + [name for name in experiments if family == MODELS and not has_table(name)]
+
+
+def has_table(name: str) -> bool:
+    """Is there a file for this table?"""
+    return name in _listed("tables")
+
+
+def figures(family: str, scenes: Iterable[str]) -> dict[str, Drawing]:
+    """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>."""
+    found: dict[str, Drawing] = {}
+    for plug, constants in _listed("figures").items():
+        if constants["FAMILY"] == family:
+            for scene in [None] if constants["EACH"] == "run" else scenes:
+                name = plug if scene is None else f"{plug}_{scene}"
+                if name in found:
+                    raise ValueError(f"two figures are called {name}; rename the scene {scene}")
+                found[name] = Drawing(plug, scene)
+    return found
+
+
+def drawing(name: str, scenes: Iterable[str]) -> Drawing:
+    """The figure of this name."""
+    scenes = list(scenes)
+    found = {key: made for family in families() for key, made in figures(family, scenes).items()}
+    if name not in found:
+        raise ValueError(f"figure {name!r}: unknown; choose from {', '.join(found)}")
+    return found[name]
+
+
+def at_a_glance(plug: str) -> bool:
+    """Does this figure stand near the top of the page?"""
+    return bool(_listed("figures")[plug].get("GLANCE", False))
+
+
+def modules(kind: str, family: str) -> list[str]:
+    """The files behind the tables or figures of a family, as modules below vibrom."""
+    chosen = [name for name, constants in _listed(kind).items() if constants["FAMILY"] == family]
+    return [f"report.{kind}.{name}" for name in chosen]
+
+
+@cache
+def caption(kind: str, name: str) -> Caption:
+    """The caption of a table or of a figure's file; that of scores quotes the experiment's."""
+    if kind == "tables" and not has_table(name):
+        about = _docstring("experiments", name)[:1]
+        return Caption(f"Scores of the experiment {name}", (*about, SCORES))
+    title, *paragraphs = _docstring(f"report/{kind}", name) or [""]
+    if not title or not paragraphs:
+        cure = "its docstring needs a title, an empty line and text"
+        raise ValueError(f"report/{kind}/{name}.py: no caption; {cure}")
+    return Caption(title.removesuffix("."), tuple(paragraphs))
+
+
+def captions(names: Mapping[str, Iterable[str]]) -> dict[str, Caption]:
+    """`tables/<name>` or `figures/<plug>` -> caption, of the names of each kind."""
+    return {f"{kind}/{name}": caption(kind, name) for kind in names for name in names[kind]}
+
+
+def _docstring(folder: str, name: str) -> list[str]:
+    """The paragraphs of a module's docstring, each on one line."""
+    path = source.PACKAGE / folder / f"{name}.py"
+    text = ast.get_docstring(ast.parse(path.read_bytes())) or ""
+    return [" ".join(block.split()) for block in text.split("\n\n") if block.strip()]

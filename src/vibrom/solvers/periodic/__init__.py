@@ -1,0 +1,1 @@
+"""Periodic motions: return maps, their derivatives, continuation and stability."""

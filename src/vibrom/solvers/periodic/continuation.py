@@ -1,0 +1,276 @@
+"""Pseudo-arclength continuation:  F(x, p) = 0  along p, through folds.
+
+    F(u) = 0,   n . (u - u~) = 0,    u = (x/X, p/P),   u~ = u_0 + s t + s^2/2 t'
+
+t is the tangent at the last point, t' its change over the last step, n = t; X is the size of x at
+the last point and P a scale of p, so that a step is a relative change. Corrections keep the matrix
+of the last point and improve it by Broyden's rank-one updates; it is made again where they stall.
+At each point the matrix is that of the point itself, for its eigenvalues decide on stability. Steps
+are as long as the tangent turns little enough and the corrections are few enough.
+
+Source: Keller, Lectures on Numerical Methods in Bifurcation Problems (1987), chapter 4; Kelley,
+Solving Nonlinear Equations with Newton's Method (2003), section 4.3 (Broyden's method).
+
+Packages were tried on paper first: PyCont-Lite and pacopy solve G(u, p) = 0 by Krylov iterations on
+the residual or by the caller's own solver and know no map whose Jacobian comes with its value; bifpy
+and PyCoBi wrap Auto-07p, a Fortran program for some tens of equations; jaxcont wants the model in
+JAX. A Krylov iteration costs one period of the full order, and one that finds 480 multipliers costs
+all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+# value and derivative, or the value alone
+Problem = Callable[[np.ndarray, float, bool], "Value"]
+
+
+@dataclass(frozen=True)
+class Value:
+    """F at a point."""
+
+    residual: np.ndarray  # (m,) in units of x
+    by_x: np.ndarray | None = None  # (m, m)
+    by_p: np.ndarray | None = None  # (m,)
+    ok: bool = True  # could F be evaluated?
+    rough: bool = False  # is it good for a correction only?
+    details: Any = None  # what else the evaluation found
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How far a step goes. Lengths are relative changes: of x to its size, of p to its scale."""
+
+    scale: float  # P, a change of p that counts as one
+    first: float = 0.05
+    largest: float = 0.5
+    smallest: float = 1e-5
+    turn: float = 0.25  # rad, that the tangent may turn in a step
+    # Of the last correction, which is still made: what is left is its square. The derivative is that
+    # of a point so near.
+    tolerance: float = 1e-6
+    iterations: int = 16
+    few: int = 9  # evaluations up to which a step may grow
+    newton: bool = False  # is the derivative as cheap as the value?
+
+
+@dataclass(frozen=True)
+class Point:
+    """A solution and the direction in which the branch leaves it."""
+
+    x: np.ndarray  # (m,)
+    p: float
+    tangent: np.ndarray  # (m + 1,) of x and p, of length one in the metric of this point
+    value: Value  # with its derivative
+    arc: float = 0.0  # along the branch
+    iterations: int = 0  # evaluations that it took
+
+    def scale(self, pace: Pace) -> np.ndarray:
+        """(m + 1,) the sizes of x and p that count as one."""
+        size = float(np.linalg.norm(self.x)) or 1.0
+        return np.append(np.full(len(self.x), size), pace.scale)
+
+    @property
+    def u(self) -> np.ndarray:
+        """(m + 1,) x and p."""
+        return np.append(self.x, self.p)
+
+
+MOST = 8  # points between two on the way to a root
+
+
+class Lost(ArithmeticError):
+    """No solution was found where one was looked for."""
+
+
+class _Corrector:
+    """Solves F = 0 and n . (u - u~) = 0, in relative units, from one matrix."""
+
+    def __init__(self, problem: Problem, pace: Pace, scale: np.ndarray, normal: np.ndarray):
+        self.problem, self.pace, self.scale, self.normal = problem, pace, scale, normal
+        self.factor: Any = None
+
+    def prepare(self, value: Value) -> None:
+        """Takes the matrix of this value."""
+        m = len(value.residual)
+        matrix = np.empty((m + 1, m + 1))
+        matrix[:m, :m], matrix[:m, m] = value.by_x, value.by_p * (self.scale[m] / self.scale[0])
+        matrix[m] = self.normal
+        if not np.isfinite(matrix).all():
+            raise Lost("the derivative is not finite")
+        self.factor, self.steps = lu_factor(matrix, check_finite=False), []
+
+    def correction(self, value: Value, off: float) -> np.ndarray:
+        """The next change of u, by Broyden's updates of the matrix (Kelley's recursion)."""
+        right = -np.append(value.residual / self.scale[0], off)
+        change = lu_solve(self.factor, right, check_finite=False)
+        for one, other in zip(self.steps, self.steps[1:]):
+            change += other * (one @ change) / (one @ one)
+        if self.steps:
+            last = self.steps[-1]
+            change /= 1.0 - (last @ change) / (last @ last)
+        self.steps.append(change)
+        return change
+
+    def solve(self, guess: np.ndarray) -> tuple[np.ndarray, Value, int]:
+        """(u, the value with its derivative there, evaluations) near `guess`, in relative units."""
+        u, before, exact = guess.copy(), np.inf, self.pace.newton or self.factor is None
+        for count in range(1, self.pace.iterations + 1):
+            value = self.problem(u[:-1] * self.scale[0], float(u[-1] * self.scale[-1]), exact)
+            if not value.ok:
+                raise Lost("the motion did not last for a period")
+            if exact:
+                self.prepare(value)
+            change = self.correction(value, float(self.normal @ (u - guess)))
+            size = float(np.linalg.norm(change))
+            if not np.isfinite(size) or size > 2.0 * before or size > 1.0:
+                raise Lost("corrections grow")
+            u = u + change
+            if exact and size <= self.pace.tolerance and not value.rough:
+                return u, value, count
+            # The next evaluation is the last one if it will find little to correct.
+            rate = size / before if np.isfinite(before) else 0.1
+            exact = self.pace.newton or rate > 0.5 or size * rate <= self.pace.tolerance
+            before = size
+        raise Lost("corrections are too many")
+
+    def tangent(self, value: Value) -> np.ndarray:
+        """The unit null vector of the derivative, along the normal."""
+        self.prepare(value)
+        end = np.zeros(len(self.normal))
+        end[-1] = 1.0
+        t = lu_solve(self.factor, end, check_finite=False)
+        return t / np.linalg.norm(t)
+
+
+def at(problem: Problem, x: np.ndarray, p: float, pace: Pace, toward: float = 1.0) -> Point:
+    """The solution at this p near x; its tangent has p growing if `toward` is positive."""
+    m = len(x)
+    size = float(np.linalg.norm(x)) or 1.0
+    scale = np.append(np.full(m, size), pace.scale)
+    corrector = _Corrector(problem, pace, scale, np.append(np.zeros(m), 1.0))
+    u, value, count = corrector.solve(np.append(x, p) / scale)
+    return _point(u, value, count, scale, np.sign(toward) * corrector.tangent(value), 0.0)
+
+
+def _point(
+    u: np.ndarray, value: Value, count: int, scale: np.ndarray, tangent: np.ndarray, arc: float
+) -> Point:
+    """The solution u, with its tangent in its own metric."""
+    x = u[:-1] * scale[0]
+    direction = tangent * scale
+    own = np.append(np.full(len(x), float(np.linalg.norm(x)) or 1.0), scale[-1])
+    return Point(
+        x, float(u[-1] * scale[-1]), direction / np.linalg.norm(direction / own), value, arc, count
+    )
+
+
+def beyond(
+    problem: Problem, point: Point, length: float, pace: Pace, before: Point | None = None
+) -> Point:
+    """The solution at this arclength from `point`, predicted with the help of a point `before` it.
+    Raises Lost.
+    """
+    scale = point.scale(pace)
+    normal = point.tangent / scale
+    guess = point.u / scale + length * normal
+    if before is not None:
+        guess += _curved(before, point, scale, length)
+    corrector = _Corrector(problem, pace, scale, np.sign(length) * normal)
+    corrector.prepare(point.value)
+    u, value, count = corrector.solve(guess)
+    tangent = np.sign(length) * corrector.tangent(value)
+    return _point(u, value, count, scale, tangent, point.arc + length)
+
+
+def _curved(before: Point, point: Point, scale: np.ndarray, length: float) -> np.ndarray:
+    """What the cubic through two points and their tangents adds to the second tangent."""
+    back = (before.u - point.u) / scale
+    here, there = point.tangent / scale, before.tangent / scale
+    there = there / np.linalg.norm(there)
+    h = -np.sign(back @ here) * float(np.linalg.norm(back))
+    square = (back + h * here) / h**2
+    cubic = (there - here + 2.0 * h * square) / h**2
+    return length**2 * (square + (length + h) * cubic)
+
+
+def onto(problem: Problem, left: Point, right: Point, p: float, pace: Pace) -> Point:
+    """The solution at p, between two neighbours."""
+    share = (p - left.p) / (right.p - left.p)
+    scale = left.scale(pace)
+    normal = np.append(np.zeros(len(left.x)), 1.0)
+    corrector = _Corrector(problem, pace, scale, normal)
+    corrector.prepare(left.value)
+    guess = (left.u + share * (right.u - left.u)) / scale
+    guess[-1] = p / pace.scale
+    u, value, count = corrector.solve(guess)
+    tangent = corrector.tangent(value)
+    sign = np.sign(tangent @ (left.tangent / scale)) or 1.0
+    return _point(u, value, count, scale, sign * tangent, left.arc + share * (right.arc - left.arc))
+
+
+def turning(left: Point, right: Point, pace: Pace) -> float:
+    """Angle [rad] between two tangents."""
+    scale = left.scale(pace)
+    one, other = left.tangent / scale, right.tangent / scale
+    cosine = one @ other / (np.linalg.norm(one) * np.linalg.norm(other))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
+    """The branch from `start` along its tangent, `start` itself left out, for as long as it is
+    wanted. Raises Lost where the smallest step finds no solution.
+    """
+    point, before, length = start, None, pace.first
+    while True:
+        try:
+            ahead = beyond(problem, point, length, pace, before)
+            angle = turning(point, ahead, pace)
+            if angle > 2.5 * pace.turn:
+                raise Lost("the branch turns too much in one step")
+        except Lost:
+            length *= 0.5
+            if length < pace.smallest:
+                raise
+            continue
+        growth = min(pace.turn / max(angle, 1e-12), 2.0 if ahead.iterations <= pace.few else 0.7)
+        length = min(length * max(growth, 0.4), pace.largest)
+        before, point = point, ahead
+        yield point
+
+
+def between(
+    problem: Problem,
+    left: Point,
+    right: Point,
+    test: Callable[[Point], float],
+    close: Callable[[Point, Point], bool],
+    pace: Pace,
+) -> list[Point]:
+    """Points between two neighbours on which `test` has opposite signs, the root first: what regula
+    falsi (in its Illinois form) visits until two in a row are `close`.
+    """
+    found: list[Point] = []
+    low, high, at_low, at_high = left, right, test(left), test(right)
+    for _ in range(MOST):
+        share = at_low / (at_low - at_high)
+        length = (high.arc - low.arc) * min(max(share, 0.02), 0.98)
+        try:
+            middle = beyond(problem, low, length, pace, high)
+        except Lost:
+            break
+        value = test(middle)
+        found.insert(0, middle)
+        if found[1:] and close(found[0], found[1]):
+            break
+        if (value > 0) == (at_high > 0):
+            high, at_high, at_low = middle, value, 0.5 * at_low if found[1:] else at_low
+        else:
+            low, at_low, at_high = middle, value, 0.5 * at_high if found[1:] else at_high
+    return found

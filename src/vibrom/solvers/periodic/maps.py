@@ -1,0 +1,85 @@
+"""What a periodic motion is a fixed point of:  x = H(x, Omega, amplitude).
+
+H carries a point x over a period of the forcing amplitude sin(Omega t), or over half of one where a
+symmetry of the body turns the second half into the first. Its derivative along x has the Floquet
+multipliers for eigenvalues (of half a period: their roots).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Return:
+    """A point, a period later."""
+
+    end: np.ndarray  # (m,) H(x)
+    ok: bool  # did the motion last?
+    rough: bool = False  # is it good for a correction only?
+    by_start: np.ndarray | None = None  # (m, m) dH/dx
+    by_frequency: np.ndarray | None = None  # (m,) dH/dOmega, s
+    by_amplitude: np.ndarray | None = None  # (m,) dH/damplitude
+
+    @cached_property
+    def multipliers(self) -> np.ndarray:
+        """Eigenvalues (m,) of dH/dx."""
+        return np.linalg.eigvals(self.by_start)
+
+
+@dataclass(frozen=True)
+class Swing:
+    """The motion over a whole period of the forcing."""
+
+    displacement: np.ndarray  # (k, samples) m, at the probes
+    range_ratio: float  # largest coordinate over the largest in training; NaN without a training
+
+
+class ReturnMap(Protocol):
+    """The map of one model under its load."""
+
+    @property
+    def frequency(self) -> float:
+        """A scale of Omega [rad/s]."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """m, of a point."""
+        ...
+
+    @property
+    def parts(self) -> int:
+        """Maps to a period: 2 where half a period is enough."""
+        ...
+
+    @property
+    def free(self) -> bool:
+        """Does the derivative cost no more than the value?"""
+        ...
+
+    def __call__(
+        self, x: np.ndarray, frequency: float, amplitude: float, derivative: bool = True
+    ) -> Return:
+        """Where x (m,) is after a period, and, if it is wanted, the derivative."""
+        ...
+
+    def of_state(self, state: np.ndarray) -> np.ndarray:
+        """The point x (m,) of a state (2n,) [m, m/s] at the beginning of a period."""
+        ...
+
+    def state(self, x: np.ndarray) -> np.ndarray:
+        """The state (2n,) [m, m/s] of a point x (m,)."""
+        ...
+
+    def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
+        """The motions of points (b, m), each with its frequency (b,) and amplitude (b,)."""
+        ...
+
+    def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
+        """Where x (m,) is after so many periods; NaN where the motion does not last."""
+        ...

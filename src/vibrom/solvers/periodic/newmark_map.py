@@ -1,0 +1,193 @@
+"""The full order's own motion over a period as a map, with its exact derivative.
+
+    x -> H(x, Omega, amplitude):   (q, v) after a period, or S (q, v) after half of one, of Newmark's
+    steps from (q, v) and the acceleration of equilibrium;   x = (y(q), N v),   N'N = M
+
+with the coordinates y of `coordinates`, so that |x|^2 is a kinetic energy in size. What repeats is
+the motion of the steps themselves, numerical damping included: long time marching with the same
+steps ends on it.
+
+A guess that still stretches the body too much begins with an acceleration that the steps do not
+survive. It starts without one instead, which is rough: right to (Omega h)^2/4, and enough for a
+first correction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+
+from vibrom.solvers.full.newmark import Motion, Newmark, Record
+from vibrom.solvers.full.sparse import Tangent
+from vibrom.solvers.periodic.carry import Steps, carried, linearised
+from vibrom.solvers.periodic.coordinates import Coordinates, NoState
+from vibrom.solvers.periodic.maps import Return, Swing
+from vibrom.solvers.periodic.symmetry import Symmetry
+from vibrom.term import Term
+
+TOLERANCE = 1e-9  # residual of a step: what a map leaves open, an orbit cannot close
+
+
+@dataclass(frozen=True)
+class NewmarkMap:
+    """Motion over a period, or half of one where the body has a symmetry."""
+
+    term: Term
+    newmark: Newmark
+    steps_per_period: int
+    frequency: float  # rad/s, a scale
+    probes: np.ndarray  # (k,)
+    rest: np.ndarray  # (n,) m
+    symmetry: Symmetry | None = None
+    free: bool = False  # the derivative costs several times the value
+
+    @property
+    def parts(self) -> int:
+        """Maps to a period."""
+        return 1 if self.symmetry is None or self.steps_per_period % 2 else 2
+
+    @property
+    def size(self) -> int:
+        """Of x."""
+        return 2 * self.term.size
+
+    @cached_property
+    def _coordinates(self) -> Coordinates:
+        return Coordinates(self.term, self.rest, self.frequency)
+
+    @cached_property
+    def _root(self) -> np.ndarray:
+        """N, an upper triangle."""
+        return cholesky(self.term.mass.toarray())
+
+    @cached_property
+    def _tangents(self) -> tuple[Tangent, Tangent]:
+        """K + df/dq and C + df/dv."""
+        return Tangent(self.term, 0.0, 0.0, 1.0), Tangent(self.term, 0.0, 1.0, 0.0)
+
+    @cached_property
+    def _signal(self) -> np.ndarray:
+        """sin(Omega t) at the steps of one map."""
+        steps = self.steps_per_period // self.parts
+        return np.sin(2.0 * np.pi * np.arange(steps + 1) / self.steps_per_period)
+
+    def of_state(self, state: np.ndarray) -> np.ndarray:
+        """The point x (2n,) of a displacement from rest and a velocity (2n,)."""
+        q, v = np.split(state, 2)
+        return np.concatenate([self._coordinates.of(self.rest + q), self._root @ v])
+
+    def state(self, x: np.ndarray) -> np.ndarray:
+        """Displacement from rest and velocity (2n,) at a point. Raises NoState."""
+        y, v = np.split(x, 2)
+        q = self._coordinates.to(y) - self.rest
+        return np.concatenate([q, solve_triangular(self._root, v)])
+
+    def __call__(
+        self, x: np.ndarray, frequency: float, amplitude: float, derivative: bool = True
+    ) -> Return:
+        """Where x (2n,) is after a period."""
+        drive = np.array([frequency]), np.array([amplitude])
+        try:
+            state = self.state(x)[:, None]
+        except NoState:
+            return Return(np.full(self.size, np.nan), ok=False)
+        for acceleration in ("equilibrium", "zero"):
+            motion = self._motion(state, *drive, Record(), acceleration)
+            q, v, a = motion.displacement[0], motion.velocity[0], motion.acceleration[0]
+            if np.isfinite(q[-1]).all():
+                break
+        else:
+            return Return(np.full(self.size, np.nan), ok=False)
+        end = self._turned(np.concatenate([q[-1] - self.rest, v[-1]]))
+        found = Return(self.of_state(end), ok=True, rough=acceleration == "zero")
+        if not derivative:
+            return found
+        step = 2.0 * np.pi / frequency / self.steps_per_period
+        taken = linearised(self.term, self.newmark.alpha, step, self._signal, q, v, a)
+        start = self._axes(q[0], v[0], found.rough)
+        return replace(found, **self._slopes(taken, frequency, start, end))
+
+    def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
+        """The motions of points (b, 2n) over a period, at every step."""
+        mirrored = self.probes if self.parts == 1 else self.symmetry.order[self.probes]
+        watched = np.union1d(self.probes, mirrored)
+        record = Record(start=len(self._signal), probes=watched)
+        states = np.stack([self.state(one) for one in x], axis=1)
+        shown = self._motion(states, frequency, amplitude, record).probes
+        shown = shown - self.rest[watched][:, None]
+        half = shown[:, np.searchsorted(watched, self.probes), :-1]
+        if self.parts == 2:
+            other = shown[:, np.searchsorted(watched, mirrored), :-1]
+            half = np.concatenate([half, self.symmetry.sign[self.probes, None] * other], axis=2)
+        return [Swing(shown, float("nan")) for shown in half]
+
+    def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
+        """Where x (2n,) is after so many periods."""
+        steps = periods * self.steps_per_period
+        whole = np.sin(2.0 * np.pi * np.arange(steps + 1) / self.steps_per_period)
+        drive, record = (np.array([frequency]), np.array([amplitude])), Record(start=steps)
+        motion = self._motion(self.state(x)[:, None], *drive, record, signal=whole)
+        end = np.concatenate([motion.displacement[0, 0] - self.rest, motion.velocity[0, 0]])
+        return self.of_state(end) if np.isfinite(end).all() else np.full(self.size, np.nan)
+
+    def _motion(
+        self,
+        state: np.ndarray,
+        frequency: np.ndarray,
+        amplitude: np.ndarray,
+        record: Record,
+        acceleration: str = "equilibrium",
+        signal: np.ndarray | None = None,
+    ) -> Motion:
+        """The steps from states (2n, b) under a signal of unit amplitude, that of one map if none
+        is given.
+        """
+        q, v = np.split(state, 2)
+        signal = self._signal if signal is None else signal
+        newmark = replace(self.newmark, tolerance=min(self.newmark.tolerance, TOLERANCE))
+        return newmark.run(
+            self.term,
+            self.rest[:, None] + q,
+            2.0 * np.pi / frequency / self.steps_per_period,
+            len(signal) - 1,
+            velocity=v,
+            signal=signal[:, None] * amplitude,
+            initial_acceleration=acceleration,
+            record=record,
+        )
+
+    def _turned(self, state: np.ndarray) -> np.ndarray:
+        """S of a state (2n, ...) after half a period; after a whole one the state itself."""
+        if self.parts == 1:
+            return state
+        return np.concatenate([self.symmetry(part) for part in np.split(state, 2)])
+
+    def _axes(self, q: np.ndarray, v: np.ndarray, still: bool) -> np.ndarray:
+        """Changes (3, n, 2n + 2) of displacement, velocity and acceleration at the start: one for
+        each coordinate of x, none for frequency and amplitude.
+        """
+        n = self.term.size
+        start = np.zeros((3, n, 2 * n + 2))
+        start[0, :, :n] = self._coordinates.axes(q)
+        start[1, :, n : 2 * n] = solve_triangular(self._root, np.eye(n))
+        if not still:
+            at = q[:, None], v[:, None]
+            pull = sum(tangent.at(*at) @ change for tangent, change in zip(self._tangents, start))
+            start[2] = -cho_solve((self._root, False), pull)
+        return start
+
+    def _slopes(
+        self, taken: Steps, frequency: float, start: np.ndarray, end: np.ndarray
+    ) -> dict[str, np.ndarray]:
+        """dH/dx, dH/dOmega and dH/damplitude."""
+        by_step, by_signal = np.zeros((2, start.shape[2]))
+        by_step[-2], by_signal[-1] = -taken.step / frequency, 1.0
+        q, v = np.split(
+            self._turned(np.concatenate([*carried(taken, start, by_step, by_signal)])), 2
+        )
+        at = self.rest + end[: self.term.size]
+        ends = np.concatenate([self._coordinates.slope(at, q), self._root @ v])
+        return dict(by_start=ends[:, :-2], by_frequency=ends[:, -2], by_amplitude=ends[:, -1])

@@ -1,0 +1,252 @@
+"""Branches of periodic motions: a response curve, stable or not, with what happens on it.
+
+    x = H(x, Omega, a)   along Omega at one amplitude a of the forcing, or along a at one Omega
+
+The first motion of a curve is found from rest, by continuation in the amplitude: at the ends of a
+resonance curve one motion is all there is, or else its other motions hang together with it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibrom.artefacts.outcome import Outcome
+from vibrom.solvers.periodic import continuation, stability
+from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
+from vibrom.solvers.periodic.maps import Return, ReturnMap, Swing
+from vibrom.solvers.periodic.stability import Kind
+
+SMALL = (
+    0.01  # of the forcing: where the continuation in it begins, linear to a part in ten thousand
+)
+FOLD = 1e-7  # of the scale of p: how well folds are located
+CIRCLE = 1e-3  # |ln |mu||: how well other losses of stability are
+PEAK = 3  # points that are added about a peak
+SAME = 1e-3  # of the size of x: two motions at one frequency that differ by less are one
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A periodic motion."""
+
+    point: Point
+    kind: Kind = Kind.REGULAR
+    outcome: Outcome = Outcome.OK  # of a branch, at its end
+
+    @property
+    def p(self) -> float:
+        """The parameter of the branch."""
+        return self.point.p
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """Of the map (m,)."""
+        return self.point.value.details.multipliers
+
+
+@dataclass(frozen=True)
+class Span:
+    """The part of a branch that is wanted."""
+
+    lowest: float
+    highest: float
+    points: int  # at most
+    minor: float  # folds nearer to each other than this, in p, are minor ones
+
+
+@dataclass(frozen=True)
+class Found:
+    """An orbit, on which branch it lies and what it looks like."""
+
+    branch: int
+    orbit: Orbit
+    swing: Swing
+
+
+def in_frequency(flow: ReturnMap, amplitude: float) -> Problem:
+    """H(x, p, amplitude) - x."""
+
+    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
+        found = flow(x, p, amplitude, derivative)
+        return _value(found, x, found.by_frequency)
+
+    return problem
+
+
+def in_amplitude(flow: ReturnMap, frequency: float) -> Problem:
+    """H(x, frequency, p) - x."""
+
+    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
+        found = flow(x, frequency, p, derivative)
+        return _value(found, x, found.by_amplitude)
+
+    return problem
+
+
+def _value(found, x: np.ndarray, by_p: np.ndarray | None) -> Value:
+    by_x = None if found.by_start is None else found.by_start - np.eye(len(x))
+    return Value(found.end - x, by_x, by_p, found.ok, found.rough, found)
+
+
+def from_rest(flow: ReturnMap, frequency: float, amplitude: float) -> np.ndarray:
+    """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
+    pace = Pace(scale=0.5 * amplitude, first=0.1, largest=1.0, newton=flow.free)
+    problem = in_amplitude(flow, frequency)
+    before = continuation.at(problem, np.zeros(flow.size), SMALL * amplitude, pace)
+    for count, ahead in enumerate(continuation.walk(problem, before, pace)):
+        if ahead.p >= amplitude:
+            return continuation.onto(problem, before, ahead, amplitude, pace).x
+        if count > 200:
+            break
+        before = ahead
+    raise Lost("the amplitude of the forcing was not reached")
+
+
+def branch(problem: Problem, start: Point, span: Span, pace: Pace, parts: int) -> list[Orbit]:
+    """The orbits from `start` on, along its tangent, to the end of the span; `parts` maps make a
+    period.
+    """
+    orbits = [Orbit(start)]
+    ending = Outcome.UNFINISHED
+    walk = continuation.walk(problem, start, pace)
+    while len(orbits) < span.points:
+        try:
+            ahead = next(walk)
+        except Lost:
+            ending = Outcome.LOST
+            break
+        before = orbits[-1].point
+        orbits += _special(problem, before, ahead, pace, parts)
+        if not span.lowest < ahead.p < span.highest:
+            edge = span.highest if ahead.p >= span.highest else span.lowest
+            last = continuation.onto(problem, before, ahead, edge, pace)
+            orbits, ending = [o for o in orbits if o.point.arc < last.arc], Outcome.OK
+            orbits.append(Orbit(last))
+            break
+        orbits.append(Orbit(ahead))
+    orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
+    return minor_folds(orbits, span.minor)
+
+
+def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int) -> list[Orbit]:
+    """The orbits between two neighbours at which the branch folds or stability changes."""
+    found: list[Orbit] = []
+    if left.tangent[-1] * right.tangent[-1] < 0.0:
+        points = continuation.between(
+            problem,
+            left,
+            right,
+            lambda point: point.tangent[-1],
+            lambda one, other: abs(one.p - other.p) <= FOLD * pace.scale,
+            pace,
+        )
+        found += _named(points, Kind.FOLD)
+    before, after = (point.value.details.multipliers for point in (left, right))
+    counts = stability.unstable(before), stability.unstable(after)
+    if abs(counts[1] - counts[0]) > len(found[:1]):
+        number = max(counts)
+        points = continuation.between(
+            problem,
+            left,
+            right,
+            lambda point: stability.growth(point.value.details.multipliers, number),
+            lambda one, other: (
+                abs(stability.growth(one.value.details.multipliers, number)) <= CIRCLE
+            ),
+            pace,
+        )
+        if points:
+            crossed = stability.leading_first(points[0].value.details.multipliers)[number - 1]
+            found += _named(points, stability.crossing(complex(crossed), parts))
+    return sorted(found, key=lambda orbit: orbit.point.arc)
+
+
+def _named(points: list[Point], kind: Kind) -> list[Orbit]:
+    """Orbits, the first of which is what was looked for."""
+    return [Orbit(point, Kind.REGULAR if number else kind) for number, point in enumerate(points)]
+
+
+def minor_folds(orbits: list[Orbit], width: float) -> list[Orbit]:
+    """The same orbits; pairs of folds in a row that are closer than `width` are minor."""
+    folds = [place for place, orbit in enumerate(orbits) if orbit.kind == Kind.FOLD]
+    minor: set[int] = set()
+    for one, other in zip(folds, folds[1:]):
+        if one not in minor and abs(orbits[one].p - orbits[other].p) < width:
+            minor |= {one, other}
+    return [
+        replace(orbit, kind=Kind.MINOR_FOLD) if place in minor else orbit
+        for place, orbit in enumerate(orbits)
+    ]
+
+
+def response(flow: ReturnMap, amplitude: float, span: Span, pace: Pace) -> list[Found]:
+    """All branches that hang together with the motions from rest at both ends of the span. Where
+    there is none, one row says so.
+    """
+    problem = in_frequency(flow, amplitude)
+    found: list[Found] = []
+    for p, toward in ((span.lowest, 1.0), (span.highest, -1.0)):
+        room = span.points - len(found)
+        try:
+            start = continuation.at(problem, from_rest(flow, p, amplitude), p, pace, toward)
+        except Lost:
+            continue
+        if room > 1 and not any(same(start, item.orbit.point) for item in found):
+            orbits = branch(problem, start, replace(span, points=room), pace, flow.parts)
+            number = len({item.branch for item in found})
+            found += peaked(
+                flow, problem, amplitude, _measured(flow, amplitude, orbits, number), pace
+            )
+    return found or _nothing(flow, amplitude, span.lowest)
+
+
+def _measured(flow: ReturnMap, amplitude: float, orbits: list[Orbit], number: int) -> list[Found]:
+    x, p = np.stack([orbit.point.x for orbit in orbits]), np.array([orbit.p for orbit in orbits])
+    swings = flow.swings(x, p, np.full(len(p), amplitude))
+    return [Found(number, orbit, swing) for orbit, swing in zip(orbits, swings)]
+
+
+def _nothing(flow: ReturnMap, amplitude: float, p: float) -> list[Found]:
+    """A row without a motion."""
+    x = np.full(flow.size, np.nan)
+    value = Value(x, ok=False, details=Return(x, ok=False, by_start=np.full((1, 1), np.nan)))
+    point = Point(x, p, np.append(x, np.nan), value)
+    swing = flow.swings(np.zeros((1, flow.size)), np.array([p]), np.zeros(1))[0]
+    lost = replace(swing, displacement=np.full_like(swing.displacement, np.nan))
+    return [Found(0, Orbit(point, Kind.END, Outcome.LOST), lost)]
+
+
+def same(one: Point, other: Point) -> bool:
+    """Are these one motion?"""
+    size = np.linalg.norm(one.x)
+    near = np.linalg.norm(one.x - other.x) <= SAME * size
+    return bool(near and abs(one.p - other.p) <= 1e-9 * abs(one.p))
+
+
+def peaked(
+    flow: ReturnMap, problem: Problem, amplitude: float, found: list[Found], pace: Pace
+) -> list[Found]:
+    """The same motions of one branch and up to PEAK more about the highest one, by parabolas."""
+    found = list(found)
+    for _ in range(PEAK):
+        heights = [item.swing.displacement[0].max() for item in found]
+        top = int(np.argmax(heights))
+        if not 0 < top < len(found) - 1:
+            break
+        near = slice(top - 1, top + 2)
+        arcs = np.array([item.orbit.point.arc for item in found[near]])
+        bend, rise, _ = np.polyfit(arcs - arcs[1], heights[near], 2)
+        shift = -0.5 * rise / bend if bend < 0.0 else 0.0
+        side = top if shift > 0.0 else top - 1
+        low, high = (item.orbit.point for item in found[side : side + 2])
+        share = (arcs[1] + shift - low.arc) / (high.arc - low.arc)
+        if not 0.05 < share < 0.95:
+            break
+        try:
+            added = continuation.beyond(problem, low, share * (high.arc - low.arc), pace, high)
+        except Lost:
+            break
+        found[side + 1 : side + 1] = _measured(flow, amplitude, [Orbit(added)], found[top].branch)
+    return found

@@ -1,0 +1,20 @@
+"""Artefacts -> results/tables/<name>.csv, .tex, .html or results/figures/<name>.svg, .pdf, .png."""
+
+from importlib import import_module
+from pathlib import Path
+
+from vibrom.artefacts.files import write
+from vibrom.report.collection import Collection
+from vibrom.report.scores import Scores
+
+
+def run(*, kind: str, artefacts: list[str], outputs: list[str], provenance: dict) -> None:
+    """`kind`: tables or figures, the package below vibrom.report that makes them."""
+    makers = import_module(f"vibrom.report.{kind}")
+    collection = Collection.at(artefacts)
+    scores = Scores.of(collection)
+    for name in dict.fromkeys(Path(path).stem for path in outputs):
+        made = makers.make(name, collection, scores)
+        for path in (path for path in outputs if Path(path).stem == name):
+            form = Path(path).suffix.removeprefix(".")
+            write(path, makers.render(made, form, provenance["source_digest"]))

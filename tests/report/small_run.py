@@ -1,0 +1,178 @@
+"""The real steps in one process, over a beam of a few elements and a few periods: what tables and
+figures are tested on.
+"""
+
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from vibrom.config import plugs, settings
+from vibrom.report.collection import Collection, Key
+
+ROOT = Path(__file__).parents[2]
+PROVENANCE = {"source_digest": "0123456789abcdef", "versions": '{"numpy": "2.0"}'}
+OVERLAY = """
+scenes: [small, large]
+methods: [modal_projection, split, split_plus]
+seeds: [0, 1]
+experiments: [reconstruction, decay, backbone, forced, frc, eigenvalues, run_times]
+integrator: {rtol: 1.0e-4, atol: 1.0e-6}
+scene_settings:
+  all:
+    body:
+      cells: [8, 2]
+      probes: {probe: {at: [0.5, 0.0]}}
+    record: {periods: 4}
+    experiments:
+      forced: {forcing: 100.0, periods: 3}
+      frc: {forcing: 100.0, periods: 2, frequencies: 9}
+    time: {steps_per_period: 100, every: 2}
+  small:
+    releases: {train: {forcing: 200.0, step: 250}, test: {forcing: 200.0, step: 200}}
+  large:
+    releases: {train: {forcing: 600.0, step: 250}, test: {forcing: 600.0, step: 200}}
+method_settings:
+  split: {epochs: 2, rank: 6}
+studies: {ablation: null, cost: null, robustness: null}
+"""
+DIVERGES = ("large", "split_plus", 1)  # whose training ends in infinity
+
+
+class SmallRun:
+    """`paths` are the artefacts, in the order of the workflow."""
+
+    def __init__(self, folder: Path):
+        overlay = folder / "overlay.yaml"
+        overlay.write_text(OVERLAY)
+        self.settings = settings.load(ROOT / "config", [overlay], {})
+        self.results, self.paths = folder / "results", []
+        for scene in self.settings.scenes:
+            self.full_order(scene)
+        for scene in self.settings.scenes:
+            for method in self.settings.methods:
+                for seed in self.settings.seed_folders(method):
+                    self.model(scene, method, seed)
+
+    def step(self, step: str, output: str, path: str, /, **given) -> str:
+        """One artefact."""
+        made = str(self.results / path)
+        run = import_module(f"vibrom.steps.{step}").run
+        run(**{output: made}, **given, provenance=PROVENANCE)
+        self.paths.append(made)
+        return made
+
+    def at(self, scene: str, name: str, model: str = "full_order") -> str:
+        """Where an artefact lies."""
+        return str(self.results / scene / model / f"{name}.nc")
+
+    def full_order(self, scene: str) -> None:
+        """Structure, releases, recorded decays, and its answers to the experiments."""
+        blocks, home = self.settings.scenes[scene].to_builtins(), f"{scene}/full_order"
+        known = {"structure": self.at(scene, "structure")}
+        self.step("structure", "structure", f"{home}/structure.nc", scene=blocks, name=scene)
+        self.step("release", "release", f"{home}/release.nc", scene=blocks, **known)
+        known["release"] = self.at(scene, "release")
+        for role in ("train", "test"):
+            path = f"{home}/{role}.nc"
+            self.step("record", "trajectory", path, scene=blocks, role=role, **known)
+        for name in self.in_order():
+            if plugs.constants("experiments", name)["of_full_order"]:
+                self.ask(scene, "full_order", None, name, scene=blocks)
+
+    def in_order(self) -> list[str]:
+        """The experiments, each after those that it reads."""
+        return sorted(
+            self.settings.experiments,
+            key=lambda name: len(plugs.constants("experiments", name)["reads"]),
+        )
+
+    def ask(self, scene: str, model: str, seed: int | None, name: str, /, **given) -> None:
+        """One answer, as workflow/rules/experiments.smk has it."""
+        asked = plugs.constants("experiments", name)
+        method, full = model.split("/")[0], model == "full_order"
+        reads = {need: self.need(scene, model, need) for need in asked["reads"]}
+        if full:
+            reads = {need: path for need, path in reads.items() if need not in ("train", "fit")}
+        elif asked["truth"]:
+            given["truth"] = self.need(scene, "full_order", asked["truth"])
+        time = self.settings.scenes[scene].time
+        self.step(
+            "ask",
+            "output",
+            f"{scene}/{model}/{name}.nc",
+            name=name,
+            settings=self.settings.scenes[scene].to_builtins()["experiments"].get(name, {}),
+            names={"scene": scene, "method": method, "seed": seed},
+            samples=time.steps_per_period // time.every,
+            structure=self.at(scene, "structure"),
+            integrator=self.settings.integrator,
+            **reads,
+            **given,
+        )
+
+    def need(self, scene: str, model: str, need: str) -> str:
+        """Where lies what an experiment reads."""
+        if need in ("train", "test") or (need, model) == ("decay", "full_order"):
+            return self.at(scene, "test" if need == "decay" else need)
+        return self.at(scene, "rom" if need == "fit" else need, model)
+
+    def model(self, scene: str, method: str, folder: str) -> None:
+        """A fitted model and its answers. One training is made to diverge."""
+        home, block = f"{scene}/{method}/{folder}", self.settings.methods[method].to_builtins()
+        seed = None if folder == "unseeded" else int(folder.removeprefix("seed_"))
+        start = self.settings.start_of(method, folder)
+        chosen, kind = dict(block["settings"]), self.settings.kind_of(method)
+        if (scene, method, seed) == DIVERGES:
+            start, kind = None, "split"
+            chosen = self.settings.methods["split"].to_builtins()["settings"]
+            chosen = chosen | {"learning_rate": 1e30}
+        self.paths.append(str(self.results / home / "losses.nc"))
+        self.step(
+            "fit",
+            "rom",
+            f"{home}/rom.nc",
+            losses=str(self.results / home / "losses.nc"),
+            structure=self.at(scene, "structure"),
+            train=self.at(scene, "train"),
+            scene_name=scene,
+            method=method,
+            kind=kind,
+            settings=chosen,
+            seed=seed,
+            device="cpu",
+            start=start and self.at(scene, "rom", "/".join(start)),
+        )
+        rom = self.at(scene, "rom", f"{method}/{folder}")
+        for name in self.in_order():
+            self.ask(scene, f"{method}/{folder}", seed, name, rom=rom)
+
+
+# The forced runs and response curves that blow up: one seed of two, and a model's only run.
+FAILED = {("large", "split", 1), ("large", "modal_projection", None)}
+FAILED_AT = 0.011  # s
+
+
+def failed(answer):
+    """A forced run or a response curve that diverged, at its middle frequencies."""
+    answer = answer.copy(deep=True)
+    if answer["outcome"].ndim:
+        lost = np.abs(np.arange(answer.sizes["angular_frequency"]) - 4) < 2
+        answer["outcome"] = answer["outcome"].copy(data=np.where(lost, "diverged", "ok"))
+        answer["failed_at"] = answer["failed_at"].where(~lost, 0.005)
+        return answer.assign({name: answer[name].where(~lost) for name in ("amplitude", "phase")})
+    answer["outcome"] = answer["outcome"].copy(data="diverged")
+    answer["failed_at"] = answer["failed_at"].copy(data=FAILED_AT)
+    answer["probe_displacement"] = answer["probe_displacement"].where(answer["time"] < FAILED_AT)
+    answer["final_shape"] = answer["final_shape"] * np.nan
+    return answer.assign(score_value=answer["score_value"] * np.nan)
+
+
+def altered(collection: Collection, changes) -> Collection:
+    """The same with `changes`, key -> what becomes of the dataset; None: it is not there."""
+    loaders = dict(collection.loaders)
+    for key, change in changes.items():
+        old = loaders.pop(Key(*key), None)
+        if change is not None:
+            loaders[Key(*key)] = lambda old=old, change=change: change(old and old())
+    return Collection(loaders)

@@ -1,0 +1,119 @@
+"""What every table and figure promises, whichever are in the folders, on artefacts that the real
+steps made.
+"""
+
+import re
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import studies
+from small_run import altered
+
+from vibrom.report import figures, outputs, tables
+from vibrom.report.collection import Collection
+from vibrom.report.scores import Scores
+
+EXPERIMENTS = ["decay", "backbone"]  # one with a table of its own, one without
+SCENES = {"robustness": ["folding"]}  # of the others: small and large
+FAMILY = {
+    name: family
+    for family in outputs.families()
+    for name in (
+        *outputs.tables(family, EXPERIMENTS),
+        *outputs.figures(family, SCENES.get(family, ["small", "large"])),
+    )
+}
+TABLES = [name for family in outputs.families() for name in outputs.tables(family, EXPERIMENTS)]
+FIGURES = [
+    name
+    for family in outputs.families()
+    for name in outputs.figures(family, SCENES.get(family, ["small", "large"]))
+]
+UNITS = re.compile(r"\[[^\]]+\]")
+
+
+@pytest.fixture(scope="module")
+def everything(collection):
+    """The run with all studies."""
+    more = {
+        ("small", "full_order", None, "cost_full_order"): studies.cost_full_order,
+        ("small", "full_order", None, "cost_reduced"): studies.cost_reduced,
+        ("folding", "full_order", None, "frc"): studies.response_curve,
+        ("folding", "full_order", None, "robustness"): studies.coarse_steps,
+        ("folding", "split", 0, "robustness"): lambda: studies.robustness(0, 3, studies.TRUTH, 2.0),
+    }
+    return altered(collection, {key: lambda _, make=make: make() for key, make in more.items()})
+
+
+@pytest.fixture(scope="module")
+def of(everything):
+    """What a family is made from, and its scores."""
+
+    def chosen(family: str) -> tuple[Collection, Scores]:
+        scenes = SCENES.get(family, ["small", "large"])
+        loaders = everything.loaders.items()
+        part = Collection({key: made for key, made in loaders if key.scene in scenes})
+        return part, Scores.of(part)
+
+    return cache(chosen)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_has_its_columns_once_and_a_unit_on_every_number(of, name):
+    made = tables.make(name, *of(FAMILY[name]))
+    assert made.rows and len(made.printed.lines) == len(made.printed.marks)
+    names = list(made.frame.columns)
+    assert len(set(names)) == len(names) and "case" in names
+    assert len(set(made.printed.head)) == len(made.printed.head)
+    for column in made.columns:
+        cells = made.frame[column.name]
+        number = any(isinstance(cell, float) and np.isfinite(cell) for cell in cells)
+        if column.heading and not column.whole and number and "unit" not in names:
+            assert UNITS.search(column.heading), column
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_table_is_written_alike_twice_in_every_format(of, name):
+    first, second = (tables.make(name, *of(FAMILY[name])) for _ in range(2))
+    for form in outputs.FORMATS["tables"]:
+        written = tables.render(first, form, "feed")
+        assert written and written == tables.render(second, form, "feed")
+        assert form == "csv" or b"feed" in written
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_axis_says_what_it_shows_in_which_unit(of, name):
+    figure = figures.make(name, *of(FAMILY[name]))
+    assert figure.axes
+    for axes in figure.axes:
+        assert UNITS.search(axes.get_ylabel()) or axes.get_label() == "<colorbar>"
+        assert UNITS.search(axes.get_xlabel()) or axes.get_label() == "<colorbar>"
+
+
+@pytest.mark.parametrize("name", FAMILY)
+def test_a_run_with_nothing_but_its_structure_still_has_every_output(everything, name):
+    scenes = SCENES.get(FAMILY[name], ["small", "large"])
+    bare = ("structure", "rom", "frc" if "folding" in scenes else "")
+    loaders = everything.loaders.items()
+    left = Collection(
+        {key: made for key, made in loaders if key.name in bare and key.scene in scenes}
+    )
+    if name in TABLES:
+        assert tables.render(tables.make(name, left, Scores([])), "csv", "").startswith(b"case")
+    else:
+        figure = figures.make(name, left, Scores([]))
+        titles = [axes.get_title(loc="left") for axes in figure.axes]
+        words = [text.get_text() for axes in figure.axes for text in axes.texts]
+        assert "".join(titles + words).strip()
+
+
+@pytest.mark.parametrize("kind", outputs.FORMATS)
+def test_every_output_has_a_caption_and_a_place_of_its_own(kind):
+    names = outputs._listed(kind)
+    places = [constants["PLACE"] for constants in names.values()]
+    assert all(first < second for first, second in pairwise(places))
+    for name in names:
+        title, paragraphs = outputs.caption(kind, name)
+        assert title and paragraphs and "{{" not in "".join(paragraphs), name
