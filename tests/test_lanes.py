@@ -4,12 +4,15 @@ import importlib
 import os
 import subprocess
 import sys
+from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numba import njit
+from numba import njit, types
 from numba.core.errors import TypingError
 
+from vibrom.kernels.compiled import Rows, Vector, machine_type
 from vibrom.kernels.lanes import (
     WIDTH,
     cut,
@@ -24,6 +27,7 @@ from vibrom.kernels.lanes import (
     put,
     room,
     sqrt,
+    stack,
 )
 
 
@@ -137,6 +141,42 @@ def test_rooms_begin_at_a_cache_line(make):
     ]
 
 
+@pytest.mark.parametrize("states", [1, 8, 16])
+def test_rows_on_the_stack_hold_what_was_put_there(states):
+    """Two arrays of one kernel are two, from a cache line on each; a second call starts again."""
+
+    @njit
+    def run(x):
+        first, second = stack(3, states), stack(2, states)
+        for i in range(3):
+            put(first, i, get(x, i, states) * 2.0)
+        put(second, 0, get(first, 2, states))
+        put(second, 1, get(first, 0, states))
+        for i in range(2):
+            put(x, i, get(second, i, states))
+        return first.shape, first.ctypes.data % 64, second.ctypes.data % 64
+
+    x = np.arange(3.0 * states).reshape(3, states)
+    expected = 2.0 * x[[2, 0]]
+    assert run(x) == ((3, states), 0, 0)
+    np.testing.assert_array_equal(x[:2], expected)
+    assert run(x) == ((3, states), 0, 0)
+
+
+def test_lanes_and_rows_on_the_stack_are_counted_when_a_kernel_is_compiled():
+    @njit
+    def rows(number):
+        return stack(number, 8)[0, 0]
+
+    @njit
+    def width(x, number):
+        return put(x, 0, get(x, 0, number))
+
+    for call in (lambda: rows(3), lambda: width(np.zeros((1, 8)), 8)):
+        with pytest.raises(TypingError, match="must be counted when a kernel is compiled"):
+            call()
+
+
 def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
     @njit
     def mixed(x):
@@ -154,44 +194,103 @@ def test_only_lanes_of_one_width_go_together_and_arrays_are_contiguous():
         number(np.zeros((2, 8)))
 
 
+# As the time loop calls it.
+FACTORISE = """
+import sys
+import numpy as np
+from numba import njit, types
+from vibrom.kernels.banded import kernels
+band = types.float64[:, :, ::1]
+pointer = types.FunctionType(types.void(band))
+call = njit([types.void(pointer, band)])(lambda function, matrix: function(matrix))
+for width in map(int, sys.argv[1:]):
+    matrix = np.full((5, 1, width), 4.0)
+    call(kernels(width).factorise, matrix)
+    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)
+"""
+
+
 def test_specialisations_of_several_processes_are_told_apart(tmp_path):
     """Each width is compiled by a process of its own; one that finds both on disk must call the
     right one.
     """
-    code = (
-        "import sys, numpy as np; from numba import njit, types\n"
-        "from vibrom.kernels.banded import kernels\n"
-        "band = types.float64[:, :, ::1]\n"
-        # as the time loop calls it
-        "signature = types.void(types.FunctionType(types.void(band)), band)\n"
-        "call = njit([signature])(lambda function, matrix: function(matrix))\n"
-        "for width in map(int, sys.argv[1:]):\n"
-        "    matrix = np.full((5, 1, width), 4.0)\n"
-        "    call(kernels(width)[3], matrix)\n"
-        "    assert np.array_equal(matrix, np.full((5, 1, width), 0.25)), (width, matrix)"
-    )
     for widths in ("3", "2", "2 3 2"):
         subprocess.run(
-            [sys.executable, "-c", code, *widths.split()],
+            [sys.executable, "-c", FACTORISE, *widths.split()],
             check=True,
             env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
         )
 
 
-@pytest.mark.parametrize("maker", ["numba.njit", "numba.extending.register_jitable"])
-def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch, maker):
-    """Else an edited helper would go on as it was in every kernel that calls it."""
-    helper = tmp_path / "helper_of_a_kernel.py"
-    helper.write_text(
-        f"from {maker.rpartition('.')[0]} import {maker.rpartition('.')[2]} as made\n\n\n"
-        "@made\ndef twice(x):\n    return 2.0 * x\n"
-    )
+HELPERS = {
+    "helper_of_a_helper": """
+from {home} import {name} as made
+
+@made
+def once(x):
+    return 2.0 * x
+""",
+    "helper_of_a_kernel": """
+from {home} import {name} as made
+from helper_of_a_helper import once
+
+@made
+def twice(x):
+    return 2.0 * once(x)
+""",
+}
+
+
+@pytest.mark.parametrize("changed", HELPERS)
+@pytest.mark.parametrize(
+    "maker", ["numba.njit", "numba.extending.register_jitable", "vibrom.kernels.lanes.part"]
+)
+def test_a_kernel_on_disk_is_that_of_the_files_it_calls(tmp_path, monkeypatch, maker, changed):
+    """Else an edited helper, or a helper's helper, would stay as it was in every kernel."""
+    home, _, name = maker.rpartition(".")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "helper_of_a_kernel", raising=False)
-    twice = importlib.import_module("helper_of_a_kernel").twice
-    calls = {"twice": twice}
+    for helper, text in HELPERS.items():
+        (tmp_path / f"{helper}.py").write_text(text.format(home=home, name=name))
+        monkeypatch.delitem(sys.modules, helper, raising=False)
+    calls = {"twice": importlib.import_module("helper_of_a_kernel").twice}
     exec("def kernel(x):\n    return twice(x)\n\n\ndef other(x):\n    return 2.0 * x\n", calls)
     before, alone = edition(calls["kernel"]), edition(calls["other"])
-    helper.write_text(helper.read_text().replace("2.0", "3.0"))
+    path = tmp_path / f"{changed}.py"
+    path.write_text(path.read_text().replace("2.0", "3.0"))
     assert edition(calls["kernel"]) != before
     assert edition(calls["other"]) == alone
+
+
+class Settings(NamedTuple):
+    """A record of compiled code."""
+
+    start: float
+    count: int
+    values: Rows
+
+
+class Pair(NamedTuple):
+    """A record in a record."""
+
+    first: Settings
+    second: Vector
+
+
+def test_a_record_says_its_machine_type_and_a_kernel_on_disk_is_that_of_its_fields():
+    """Two fields of one type that change places would be read in the wrong place."""
+    kind = machine_type(Pair)
+    inner = types.NamedTuple([types.float64, types.int64, types.float64[:, ::1]], Settings)
+    assert kind == types.NamedTuple([inner, types.float64[::1]], Pair)
+    pair = Pair(Settings(2.0, 3, np.ones((2, 2))), np.full(1, 5.0))
+
+    @njit([types.float64(kind)])
+    def use(pair):
+        return pair.first.start * pair.first.count + pair.first.values[1, 1] + pair.second[0]
+
+    assert use(pair) == 12.0
+    straight, turned = (
+        types.NamedTuple([types.float64, types.int64], namedtuple("Fields", names))
+        for names in ("rate count", "count rate")
+    )
+    editions = {edition(use.py_func, types.void(kind)) for kind in (straight, turned)}
+    assert len(editions) == 2

@@ -222,7 +222,7 @@ def test_an_impact_with_losses_returns_less():
     for rate in (0.05, 0.5):
         _, _, v = block(1e4, damping=rate)
         lost = rate - np.log1p(rate)
-        back = brentq(lambda e: -rate * e - np.log1p(-rate * e) - lost, 0.1, 1.0)
+        back = brentq(lambda e, c=rate, g=lost: -c * e - np.log1p(-c * e) - g, 0.1, 1.0)
         # As without losses, ringing keeps about 1e-3 of the speed.
         assert -v[-1] == pytest.approx(back, abs=2e-3)
 

@@ -96,7 +96,7 @@ def loaded_by_weight(pull, **body):
 
 @pytest.mark.parametrize("pull", [5.0, 20.0, -5.0])
 def test_weight_raises_or_lowers_the_frequency_of_a_hanging_or_standing_beam(pull):
-    """Ritz with monomials; slender-beam theory and the stretch are within 0.2 %."""
+    """Ritz with monomials; slender-beam theory and stretching under weight are within 0.2 %."""
     _, term = loaded_by_weight(pull)
     assert eigenmodes(term, 1)[0][0] == pytest.approx(
         hanging(pull) * np.sqrt(BENDING / LINE), rel=2e-3

@@ -66,10 +66,10 @@ import json, sys
 from vibrom.kernels import compiled as store
 compiled, njit = set(), store.njit
 def counting(*signature, **options):
-    def count(function):
+    def compile(function):
         compiled.add(function.__module__)
         return njit(*signature, **options)(function)
-    return count
+    return compile
 store.njit = counting
 from vibrom import effects
 from vibrom.bodies import space
@@ -77,8 +77,9 @@ from vibrom.solvers.full import static
 body, scenes = json.loads(sys.argv[1])
 for scene in scenes:
     static.equilibrium(effects.assemble(space.build(body), scene), 1.0)
-    imported = [name for name in sys.modules if name.startswith("vibrom.effects.")]
-    print(json.dumps([sorted(name[15:] for name in names) for names in (imported, compiled)]))
+    home = "vibrom.effects."
+    print(json.dumps([sorted(name.removeprefix(home) for name in names if name.startswith(home))
+                      for names in (sys.modules, compiled)]))
 """
 
 
@@ -128,8 +129,8 @@ class QuinticSpring:
 
     def assemble(self, space, base):
         dof = space.dof("effects.quintic_spring", self.at, "y")
-        table = np.array([[self.strength]])
-        return Term(forces=(Force(lambda width: (force, tangent), np.array([[dof]]), table),))
+        kernels = lambda width: (force, tangent)
+        return Term(forces=(Force(kernels, np.array([[dof]]), np.array([[self.strength]])),))
 
 
 @force_kernel

@@ -6,14 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scenes import BENDING, SLENDER, quadratic_body
+from scenes import BEAM, BENDING, SLENDER, quadratic_body
 from scipy.integrate import simpson, solve_bvp
 from scipy.optimize import brentq
 
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.solvers.full import static
-from vibrom.term import Force, Term
+from vibrom.solvers.full.modes import eigenmodes, linearised
+from vibrom.term import Force, SceneError, Term
 
 YOUNG = SLENDER["young_modulus"]
 STATIC = {"elasticity": SLENDER, "geometric_nonlinearity": {}}
@@ -39,7 +40,7 @@ def test_elastica_under_an_end_load():
     for level in (1.0, 2.0, 5.0, 10.0):
         q = static.equilibrium(term, level * BENDING, start=q)
         curve = solve_bvp(
-            lambda _, y: [y[1], -level * np.cos(y[0])],
+            lambda _, y, level=level: [y[1], -level * np.cos(y[0])],
             lambda left, right: [left[0], right[1]],
             s[::40],
             [s[::40], 1 - s[::40]],
@@ -103,7 +104,7 @@ def test_a_clamped_beam_stretches_when_it_bends():
         return load, load / tension * (a**2 / 2 - a * (cosh - 1) / (n * sinh))
 
     for deflection in (0.01, 0.03):  # half and one and a half times the height
-        tension = brentq(lambda tension: load_and_deflection(tension)[1] - deflection, 1.0, 1e7)
+        tension = brentq(lambda t, w=deflection: load_and_deflection(t)[1] - w, 1.0, 1e7)
         gravity = {"y": -load_and_deflection(tension)[0] / (0.05 * height)}
         term = effects.assemble(made, {"inertia": {"density": 1.0}, **STATIC, "gravity": gravity})
         # Shear adds some (h/L)^2 times ten to the bending part: 0.4 %.
@@ -165,7 +166,7 @@ def test_a_shallow_arch_snaps_through(rise):
     assert middle[-1] < -1.5 * rise and levels[-1] > levels[summit] > levels[summit:].min()
 
 
-def test_where_it_stops_it_says_so():
+def test_the_part_of_the_load_that_is_carried_is_named():
     """f = tanh(u) carries no more than one: half of the load of two."""
 
     def force(q, v, dofs, table, f):
@@ -187,3 +188,67 @@ def test_where_it_stops_it_says_so():
     assert np.tanh(caught.value.displacement[0]) == pytest.approx(
         2.0 * caught.value.level, rel=1e-7
     )
+
+
+def test_wrong_shapes_are_named():
+    made, term = end_loaded("y", cells=[2, 1])
+    n, short = made.size, np.zeros(made.size - 1)
+    wanted = rf"has shape \({n - 1},\); needed is \(n,\) = \({n},\)"
+    with pytest.raises(ValueError, match="^start " + wanted):
+        static.equilibrium(term, 1.0, start=short)
+    with pytest.raises(ValueError, match="^load " + wanted):
+        static.path(term, short, 0.1, 1)
+    with pytest.raises(ValueError, match="^start " + wanted):
+        static.path(term, term.load, 0.1, 1, start=short)
+    with pytest.raises(ValueError, match="^count = 0; needed is at least one mode"):
+        eigenmodes(effects.assemble(made, BEAM), 0)
+
+
+@pytest.mark.parametrize("size", [1e155, 1e300, np.inf, np.nan])
+def test_a_load_beyond_all_numbers_has_no_equilibrium(size):
+    """The squares of its entries are infinite, and infinity is not above infinity."""
+    made = space.build(quadratic_body(cells=[2, 1]))
+    term = effects.assemble(made, {**BEAM, "geometric_nonlinearity": {}, "gravity": {}})
+    heavy = replace(term, dead_load=np.full(term.size, size))
+    for fails in (
+        lambda: static.equilibrium(heavy),
+        lambda: linearised(heavy),
+        lambda: static.path(term, heavy.dead_load, 0.1, 1),
+    ):
+        with pytest.raises(static.NoEquilibrium, match="too large to compute with; lower it"):
+            fails()
+
+
+def test_a_body_that_nothing_holds_is_no_body_at_rest():
+    made = space.build(quadratic_body(cells=[2, 1]))
+    term = effects.assemble(made, {"inertia": {"density": 1.0}, "gravity": {}})
+    with pytest.raises(SceneError, match="nothing that holds the body.*list elasticity"):
+        static.equilibrium(term)
+    with pytest.raises(SceneError, match="effects is empty.*list inertia and elasticity"):
+        Term().size  # noqa: B018
+
+
+def test_a_heavy_body_is_solved_once(monkeypatch):
+    """However many effects and callers need its rest state or its modes; another weight is another
+    body.
+    """
+    solved, equilibrium = [], static.equilibrium
+    monkeypatch.setattr(static, "equilibrium", lambda term: solved.append(1) or equilibrium(term))
+    made = space.build(quadratic_body(cells=[4, 1]))
+    for count, y in ((1, -9.81), (2, -20.0)):
+        listed = {
+            **BEAM,
+            "geometric_nonlinearity": {},
+            "gravity": {"y": y},
+            "rayleigh_damping": {"damping_ratio": 0.01},
+            "modal_load": {"mode": 2},
+        }
+        term = effects.assemble(made, listed)
+        at_rest, modes = linearised(term), eigenmodes(term, 3)
+        assert len(solved) == count
+        # Callers share what is remembered.
+        with pytest.raises(ValueError, match="read-only"):
+            at_rest.rest[0] = 0.0
+        with pytest.raises(ValueError, match="read-only"):
+            modes.shape *= 2.0
+        np.testing.assert_allclose(modes.shape @ term.load, [0.0, 1.0, 0.0], atol=1e-9)

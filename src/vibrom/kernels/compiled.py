@@ -8,7 +8,9 @@ How lanes, kernels and their store work is told in docs/kernels.md.
 """
 
 import inspect
+import warnings
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 from types import CodeType, FunctionType
@@ -16,6 +18,7 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numba import njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.extending import overload
 
 # Arrays of a record, contiguous, the state index last.
@@ -82,6 +85,14 @@ def kernel(*signatures, fastmath: bool | set[str] = True, nogil: bool = False):
         return njit(list(signatures), **options)(function)
 
     return compile
+
+
+@contextmanager
+def passing_kernels() -> Iterator[None]:
+    """Kernels are passed to kernels as pointers, which numba calls experimental at every use."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        yield
 
 
 def edition(function: Callable, *signatures) -> str:

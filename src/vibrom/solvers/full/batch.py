@@ -124,7 +124,7 @@ def mass_damping(term: Term) -> float:
     """The factor c [1/s] where C = c M, which saves a product: M a + C v = M (a + c v); otherwise
     zero.
     """
-    if term.damping is None:
+    if term.damping is None or not term.mass[0, 0]:
         return 0.0
     rate = term.damping[0, 0] / term.mass[0, 0]
     apart = abs((term.damping - rate * term.mass).data)

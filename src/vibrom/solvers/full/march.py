@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable
 
 import numpy as np
-from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from vibrom.kernels.compiled import passing_kernels
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.motion import Motion, Record
 from vibrom.solvers.full.newton import Limits
@@ -30,8 +29,7 @@ def integrate(
     while first < states:
         width = method.batch_width(states - first)
         where = slice(first, min(first + width, states))
-        with warnings.catch_warnings():  # kernels are passed as pointers
-            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        with passing_kernels():
             method.compile(start.term, width)
             began = time.perf_counter()
             stepper = method(start.part(first, width), limits, half)
