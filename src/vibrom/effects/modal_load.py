@@ -24,4 +24,4 @@ class ModalLoad:
                 f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to "
                 f"{space.size - 1}"
             )
-        return Term(load=mass @ eigenmodes(base, self.mode)[1][self.mode - 1])
+        return Term(load=mass @ eigenmodes(base, self.mode).shape[self.mode - 1])

@@ -22,7 +22,7 @@ class RayleighDamping:
     def assemble(self, space: Space, base: Term) -> Term:
         mass = base.require("mass", "rayleigh_damping", "inertia")
         stiffness = base.require("stiffness", "rayleigh_damping", "elasticity")
-        first = eigenmodes(base, 1)[0][0]
+        first = eigenmodes(base, 1).frequency[0]
         damping = (2.0 * self.damping_ratio * first - self.stiffness_factor * first**2) * mass
         return Term(
             damping=damping + self.stiffness_factor * stiffness

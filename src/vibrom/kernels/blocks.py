@@ -1,14 +1,16 @@
-"""A banded matrix solved again and again for one right-hand side: small dense products, where
-substitution would wait from row to row.
+"""A banded matrix solved again and again for one right-hand side: small dense products.
 
-Cut into blocks at least as large as the half bandwidth b, A is block tridiagonal, and of two
-neighbours only b rows and b columns touch. With the Schur complements  S_1 = A_11,  S_i = A_ii -
-A_i,i-1 S_i-1^-1 A_i-1,i  a solution of A x = f is
+Substitution would wait from row to row. Cut into blocks at least as large as the half bandwidth b,
+A is block tridiagonal, and of two neighbours only b rows and b columns touch. With the Schur
+complements  S_1 = A_11,  S_i = A_ii - A_i,i-1 S_i-1^-1 A_i-1,i  a solution of A x = f is
 
     z_i = S_i^-1 f_i - (S_i^-1 A_i,i-1) z_i-1,    x_i = z_i - (S_i^-1 A_i,i+1) x_i+1,
 
 whose matrices are made beforehand. Source: Golub and Van Loan, Matrix Computations, 4.5.1. Inverted
 blocks cost digits where A is nearly singular; an operator that contains a mass is not.
+
+Own code, where LAPACK substitutes row by row: row `without geometric_nonlinearity, one state` of
+the benchmark `effects`.
 """
 
 import numpy as np
@@ -24,17 +26,15 @@ def factorise(band: np.ndarray) -> np.ndarray:
     n, half = band.shape[0], band.shape[1] - 1
     size = WIDTH * max(-(-half // WIDTH), 1)
     count = -(-n // size)
-    filled = np.pad(
-        band, ((0, count * size - n), (0, size))
-    )  # no entries beyond the band, and ones on the diagonal behind the last row
+    # No entries beyond the band, and ones on the diagonal behind the last row.
+    filled = np.pad(band, ((0, count * size - n), (0, size)))
     filled[n:, 0] = 1.0
     row, column = np.indices((size, size))
     factors = room(count * (size + 2 * half), size).reshape(count, size + 2 * half, size)
     before, subtracted = np.zeros((size, size)), 0.0  # A_i,i-1 and A_i,i-1 S_i-1^-1 A_i-1,i
     for i, part in enumerate(filled.reshape(count, size, -1)):
-        behind = np.where(
-            row <= column, part[column, np.minimum(size + row - column, size + half)], 0.0
-        )  # A_i+1,i
+        beyond = np.minimum(size + row - column, size + half)
+        behind = np.where(row <= column, part[column, beyond], 0.0)  # A_i+1,i
         inverse = np.linalg.inv(
             part[np.minimum(row, column), np.minimum(abs(row - column), half + 1)] - subtracted
         )

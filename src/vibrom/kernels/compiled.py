@@ -109,18 +109,18 @@ def edition(function: Callable, *signatures) -> str:
 
 
 def _used(function: FunctionType, seen: set) -> set:
-    """Functions and named tuples that a function refers to by a global name, and what they use."""
-    for name in _names(function.__code__):
-        found = function.__globals__.get(name)
-        for item in found if isinstance(found, tuple) else (found,):
-            item = getattr(item, "py_func", item)
-            if item in seen:
-                continue
-            if isinstance(item, FunctionType):
-                seen.add(item)
-                _used(item, seen)
-            elif isinstance(item, type) and hasattr(item, "_fields"):
-                seen.add(item)
+    """Functions and named tuples that a function refers to by name or has captured, and what those
+    use.
+    """
+    found = [function.__globals__.get(name) for name in _names(function.__code__)]
+    found += [cell.cell_contents for cell in function.__closure__ or ()]
+    for item in found:
+        item = getattr(item, "py_func", getattr(item, "_defn", item))
+        if isinstance(item, FunctionType) and item not in seen:
+            seen.add(item)
+            _used(item, seen)
+        elif isinstance(item, type) and hasattr(item, "_fields"):
+            seen.add(item)
     return seen
 
 
