@@ -252,6 +252,14 @@ def test_a_row_with_a_value_that_has_no_column_is_refused_and_so_is_a_column_twi
         table("t", [case, case], [{"case": "a"}], printed)
 
 
+def test_a_table_needs_no_outcome_and_may_be_without_rows():
+    columns = [Column("case", "Case"), Column("method", "Model"), Column("error", "Error [%]")]
+    rows = [{"case": "a", "method": "full_order", "error": 1.0}, {"case": "a", "method": "split"}]
+    made = table("t", columns, rows, printed).printed
+    assert made.marks == [REFERENCE, ""] and made.lines[1] == ["a", "split", "–"]
+    assert table("t", columns, [], printed).frame.to_csv(index=False) == "case,method,error\n"
+
+
 def test_a_model_that_was_not_run_says_why(collection, scores):
     fewer = Scores(row for row in scores.rows if (row.method, row.experiment) != ("split", "decay"))
     found = row(tables.make("decay", collection, fewer), "small", "split")

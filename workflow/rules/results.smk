@@ -28,8 +28,8 @@ def of_models(scenes, names):
     ]
 
 
-ASKED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
-PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, ASKED)
+EVALUATED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
+PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, EVALUATED)
 FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 

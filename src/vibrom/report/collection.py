@@ -109,8 +109,9 @@ def scalar(dataset: xr.Dataset | None, name: str, default: Any = np.nan) -> Any:
 
 
 def outcome(dataset: xr.Dataset | None) -> Outcome:
-    """How a run or a fit ended; one that has no such word ended as asked."""
-    return Outcome.NOT_RUN if dataset is None else Outcome(str(scalar(dataset, "outcome", "ok")))
+    """How a run or a fit ended; one that says nothing ended well."""
+    absent = Outcome.NOT_RUN if dataset is None else Outcome.OK
+    return Outcome(str(scalar(dataset, "outcome", absent)))
 
 
 def described(dataset: xr.Dataset | None, block: str) -> dict:

@@ -15,7 +15,7 @@ from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.report.collection import FULL_ORDER, Collection
 from vibrom.report.scores import spread
 
-EXPERIMENTS = ("decay", "forced", "frc")  # the questions that methods are asked
+EXPERIMENTS = ("decay", "forced", "frc")  # that methods are evaluated on
 CONFIGURED = "as configured"  # what is varied of a model of the run
 
 

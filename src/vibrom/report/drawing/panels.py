@@ -54,7 +54,7 @@ def words(axes, text: str, *, place: str = "centre") -> None:
 
 
 def ending(dataset: xr.Dataset | None, experiment: str) -> str:
-    """How a prediction ended, as `diverged at 0.126 s`; empty where it ended as asked."""
+    """How a prediction ended, as `diverged at 0.126 s`; empty where it ended well."""
     if dataset is None:
         return f"no {experiment} in this run"
     ended, failed_at = outcome(dataset), float(scalar(dataset, "failed_at"))
