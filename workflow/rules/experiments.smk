@@ -129,6 +129,7 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
             f"<logs>/{{scene}}/full_order/{EXPERIMENT}.log",
         benchmark:
             f"<benchmarks>/{{scene}}/full_order/{EXPERIMENT}.tsv"
+        priority: PRIORITY.get(EXPERIMENT, 0)
         params:
             step="ask",
             name=EXPERIMENT,
@@ -141,7 +142,6 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
             samples=samples,
             scene=scene_part("time"),
             provenance=full_order_answer_code(EXPERIMENT),
-        priority: PRIORITY.get(EXPERIMENT, 0)
         message:
             f"{{wildcards.scene}}: full order: {EXPERIMENT}"
         script:
