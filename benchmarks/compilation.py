@@ -1,4 +1,4 @@
-"""Compilation, counted apart.
+"""Compilation, timed apart.
 
 The first process that meets a body compiles its kernels and keeps them on disk; the second reads
 them. Both run ten steps of the folding cantilever (one state, then sixteen) from an empty store; a
