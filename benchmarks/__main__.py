@@ -6,6 +6,7 @@ A named benchmark replaces its own rows and keeps the others'. Each is one file 
 `measure(note)`, which yields rows, and perhaps `figures(rows)`.
 """
 
+# ruff: noqa: E402
 import os
 
 # One core, unless a benchmark says otherwise; before numpy is imported.

@@ -55,9 +55,10 @@ def measure(note) -> Iterator[Row]:
                 },
                 repeats=7,
             )
+            batch = "one state" if states == 1 else "sixteen"
             yield Row(
                 "effects",
-                f"microseconds per step and state without {left_out}, {'one state' if states == 1 else 'sixteen'}",
+                f"microseconds per step and state without {left_out}, {batch}",
                 1e6 * seconds["without"] / STEPS,
                 "us",
                 "with it",
