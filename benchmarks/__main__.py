@@ -6,13 +6,11 @@ A named benchmark replaces its own rows and keeps the others'. Each is one file 
 `measure(note)`, which yields rows, and perhaps `figures(rows)`.
 """
 
+# ruff: noqa: E402
 import os
 
-for threads in (
-    "OMP_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "MKL_NUM_THREADS",
-):  # one core, unless a benchmark says otherwise; before numpy
+# One core, unless a benchmark says otherwise; before numpy is imported.
+for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
 
 import importlib

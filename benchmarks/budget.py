@@ -1,11 +1,10 @@
-"""A budget from the machine: what a force, a factor and a solve cost, against what the machine can
-do.
+"""What a force, a factor and a solve cost, against what the machine can do.
 
 Floating-point operations are counted from the algorithms (a multiplication and an addition count
-two), bytes are those that a call must read and write at least once. The machine's peak is measured
-on the spot: chains of multiply-adds on registers, in the same lanes as the kernels, and copies
-between arrays of the size of a factor. What is left of the peak is latency: an element's eight
-additions to the shared force vector, and a band of ten whose next column waits for the last.
+two); bytes are those that a call must read and write at least once. The peak of the machine is
+measured: chains of multiply-adds on registers, in the same lanes as the kernels, and copies between
+arrays of the size of a factor. What is missing from the peak is latency: an element adds its forces
+one after the other to the shared vector, and a column of a narrow band waits for the one before.
 """
 
 from collections.abc import Callable, Iterator

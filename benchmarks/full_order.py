@@ -2,8 +2,8 @@
 
 Rival A is what a user writes today: Newmark's method with scikit-fem forms, Newton's iteration and
 SciPy's sparse LU (`benchmarks/rivals/scikit_fem_newmark.py`). Mesh, step and tolerance are the
-same; so are the displacements, to the tolerance of the iteration. A second version of the rival has
-our better first guess and our rule for keeping a factor, so that what is left between the two is
+same, and so are the displacements, to the tolerance of the iteration. A second version of the rival
+has our first guess and our rule for keeping a factor, so that the difference between the two is
 compiled kernels and the band. The motion is the folding decay, from its release on.
 """
 

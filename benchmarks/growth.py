@@ -1,12 +1,12 @@
-"""Growth: 240 to 60 000 degrees of freedom.
+"""Growth from 240 to 60 000 degrees of freedom.
 
-Longer bodies have the same band, finer ones a wider band; both elements. Each is straight and still
-at first and thrown into waves as long as the first metre (or as the plate), which asks for the same
-Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the
-plate). A body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by
-SciPy's SuperLU or, where it is installed, by PARDISO; bodies on both sides of that bound are timed
+Longer bodies have the same band, finer ones a wider band; both elements. Each body starts straight
+with a wavy velocity, as long as the first metre (or as the plate), which takes the same Newton
+iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A
+body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's
+SuperLU or, where it is installed, by PARDISO; square plates on both sides of that bound are timed
 both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
-body, is told. The exponent is that of a power law fitted to the bodies above 1000 degrees of
+body, is listed. The exponent is that of a power law fitted to the bodies above 1000 degrees of
 freedom.
 """
 
@@ -24,9 +24,10 @@ import pandas as pd
 from benchmarks.cantilever import NEWMARK, STEPS_PER_PERIOD, build
 from benchmarks.table import Row
 from vibrom.solvers.full.newmark import Record
-from vibrom.solvers.full.sparse import PyPardisoSolver
+from vibrom.solvers.full.tangent import PyPardisoSolver
 
 WIDEST = NEWMARK.widest_band
+TIME, MEMORY = "time per step", "memory beyond the smallest"
 # family -> element, and (cells, length [m], widest band) of its bodies
 FAMILIES = {
     "longer, bilinear": ("bilinear", [((40 * k, 2), 1.0 * k, WIDEST) for k in (1, 4, 16, 64, 250)]),
@@ -105,51 +106,28 @@ def measure(note) -> Iterator[Row]:
         found = []
         for body in bodies:
             found.append(apart(element, *body))
-            yield Row(
-                "growth",
-                f"time per step, {family}, {found[-1]['dofs']} dofs",
-                1e3 * found[-1]["seconds"],
-                "ms",
-            )
-            yield Row(
-                "growth",
-                f"memory beyond the smallest, {family}, {found[-1]['dofs']} dofs",
-                found[-1]["memory"] - found[0]["memory"],
-                "MB",
-            )
+            dofs = found[-1]["dofs"]
+            found[-1]["more"] = found[-1]["memory"] - found[0]["memory"]
+            for panel, value, unit in (
+                (TIME, 1e3 * found[-1]["seconds"], "ms"),
+                (MEMORY, found[-1]["more"], "MB"),
+            ):
+                text = f"{panel}, {family}, {dofs} dofs"
+                yield Row("growth", text, value, unit, panel=panel, series=family, at=dofs)
         large = [body for body in found if body["dofs"] > 1000]
-        for name in ("seconds", "memory"):
-            values = [
-                body[name] - (found[0]["memory"] if name == "memory" else 0.0) for body in large
-            ]
-            power = np.polyfit(
-                np.log([body["dofs"] for body in large]), np.log(np.maximum(values, 1e-9)), 1
-            )[0]
-            yield Row(
-                "growth",
-                f"exponent of {'time per step' if name == 'seconds' else 'memory'}, {family}",
-                power,
-                "1",
-            )
+        for panel, name in ((TIME, "seconds"), ("memory", "more")):
+            values = np.maximum([body[name] for body in large], 1e-9)
+            power = np.polyfit(np.log([body["dofs"] for body in large]), np.log(values), 1)[0]
+            yield Row("growth", f"exponent of {panel}, {family}", power, "1")
 
 
 def figures(rows: pd.DataFrame) -> dict:
     figure, axes = plt.subplots(1, 2, figsize=(7.2, 2.8))
-    for axis, quantity, label in zip(
-        axes, ("time per step", "memory beyond the smallest"), ("time per step [ms]", "memory [MB]")
-    ):
-        some = rows[rows["quantity"].str.startswith(quantity + ",")]
-        parts = some["quantity"].str.extract(r", (.*), (\d+) dofs")
-        for number, (family, group) in enumerate(some.groupby(parts[0], sort=False)):
-            dofs = parts.loc[group.index, 1].astype(int)
-            keep = group["value"] > 0
-            axis.loglog(
-                dofs[keep],
-                group["value"][keep],
-                marker="os^Dv<"[number],
-                markersize=3.5,
-                label=family,
-            )
+    for axis, panel, label in zip(axes, (TIME, MEMORY), ("time per step [ms]", "memory [MB]")):
+        some = rows[(rows["panel"] == panel) & (rows["value"] > 0)]
+        for number, (family, group) in enumerate(some.groupby("series", sort=False)):
+            style = {"marker": "os^Dv<"[number], "markersize": 3.5, "label": family}
+            axis.loglog(group["at"].astype(int), group["value"], **style)
         axis.set(xlabel="degrees of freedom", ylabel=label)
     axes[0].legend()
     return {"growth": figure}

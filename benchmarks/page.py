@@ -19,16 +19,14 @@ COLUMNS = ["benchmark", "quantity", "value", "unit", "rival", "rival_value", "ra
 
 @dataclass(frozen=True)
 class Section:
-    """What one benchmark found: its rows, figures (name -> SVG), seconds that it took, and the
-    machine.
-    """
+    """What one benchmark found."""
 
     name: str
     title: str
     paragraphs: list[str]
     rows: list[dict]
-    figures: dict[str, str]
-    seconds: float
+    figures: dict[str, str]  # name -> SVG
+    seconds: float  # that it took
     machine: dict[str, str]
 
 
@@ -39,11 +37,11 @@ def words(docstring: str) -> tuple[str, list[str]]:
 
 
 def machine() -> dict[str, str]:
-    told = description()
+    known = description()
     return {
-        "processor": told["processor"],
-        "cores": str(told["cores"]),
-        "load when it ended": str(told["load"]),
+        "processor": known["processor"],
+        "cores": str(known["cores"]),
+        "load when it ended": str(known["load"]),
         "instruction set": torch.backends.cpu.get_cpu_capability(),
         "compiler": f"numba {numba.__version__}",
         "python": platform.python_version(),

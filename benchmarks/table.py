@@ -19,6 +19,10 @@ class Row:
     rival: str = ""
     rival_value: float = NAN
     better: str = "lower"  # or higher
+    # Of a row that a figure shows: which panel, which curve or colour, and where along the axis.
+    panel: str = ""
+    series: str = ""
+    at: float | str = NAN
 
     @property
     def ratio(self) -> float:

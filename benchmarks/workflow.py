@@ -2,7 +2,7 @@
 
 Seconds of every rule from Snakemake's benchmark files in `results/benchmarks`, as the last main job
 left them: run `make` first. The wall time is from the start of the first job to the end of the
-last. Planning the whole graph anew (`snakemake --dry-run`) is timed here.
+last. Planning the whole graph again (`snakemake --dry-run`) is timed here.
 """
 
 import subprocess
@@ -37,7 +37,7 @@ def jobs() -> pd.DataFrame:
 
 
 def measure(note) -> Iterator[Row]:
-    done = jobs()
+    done, rows = jobs(), []
     if len(done):
         yield Row(
             "workflow",
@@ -45,12 +45,11 @@ def measure(note) -> Iterator[Row]:
             done["end"].max() - (done["end"] - done["seconds"]).min(),
             "s",
         )
-        for (model, rule), group in sorted(
-            done.groupby(["model", "rule"]), key=lambda item: -item[1]["seconds"].sum()
-        ):
-            yield Row(
-                "workflow", f"{model}: {rule}, {len(group)} jobs", group["seconds"].sum(), "s"
-            )
+        for (model, rule), group in done.groupby(["model", "rule"]):
+            seconds = group["seconds"].sum()
+            text = f"{model}: {rule}, {len(group)} jobs"
+            rows.append(Row("workflow", text, seconds, "s", panel="rules", series=model, at=rule))
+        yield from sorted(rows, key=lambda row: -row.value)
     else:
         note("no benchmark files: run the main job first")
     snakemake = [str(Path(sys.executable).with_name("snakemake")), "--dry-run", "--quiet", "all"]
@@ -66,13 +65,11 @@ def measure(note) -> Iterator[Row]:
 
 
 def figures(rows: pd.DataFrame) -> dict:
-    parts = rows["quantity"].str.extract(r"^(.*): (.*), \d+ jobs$").dropna()
-    if parts.empty:
+    some = rows[rows["panel"] == "rules"]
+    if some.empty:
         return {}
-    total = rows.loc[parts.index].assign(model=parts[0], rule=parts[1])
-    table = total.pivot_table(index="rule", columns="model", values="value", aggfunc="sum").fillna(
-        0.0
-    )
+    table = some.pivot_table(index="at", columns="series", values="value", aggfunc="sum")
+    table = table.fillna(0.0)
     table = table.loc[table.sum(axis=1).sort_values().index]
     figure, axis = plt.subplots(figsize=(7.2, 0.2 * len(table) + 0.8))
     left = pd.Series(0.0, index=table.index)

@@ -56,7 +56,7 @@ class Split(nn.Module):
 
 
 def iterations(model: Split, motion: torch.Tensor, batch: int, count: int, rate: float) -> float:
-    """`count` steps of Adam on batches of motion (3, m, dofs), in order; the last loss."""
+    """`count` steps of Adam on batches of motion (3, m, dofs) in turn; the last loss."""
     optimiser = torch.optim.Adam(model.parameters(), lr=rate)
     for step in range(count):
         first = step * batch % motion.shape[1]

@@ -85,7 +85,7 @@ class Beam:
         gamma, beta = 0.5 + alpha, 0.25 * (1 + alpha) ** 2
         v, a, factor, history = np.zeros_like(q), np.zeros_like(q), None, [q]
         past = [a] * 4
-        for _step in range(1, steps + 1):
+        for _ in range(steps):
             guess = 3 * (a + past[2]) - 2 * (past[0] + past[1]) - past[3] if tricks else a
             past = [a, *past[:3]]
             q = q + h * v + h**2 * ((0.5 - beta) * a + beta * guess)

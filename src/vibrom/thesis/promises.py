@@ -18,7 +18,7 @@ EFFECTS = {
     "inertia": {"density": 440.0},
     "elasticity": {"young_modulus": 104.0e9, "poisson_ratio": 0.3, "plane": "stress"},
     "geometric_nonlinearity": {},
-    "rayleigh_damping": {"damping_ratio": 0.01},
+    "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 0.0},
     "modal_load": {"mode": 1},
 }
 FORCING = {"small": 1.0, "large": 600.0, "folding": 6000.0}  # of forced runs and response curves
