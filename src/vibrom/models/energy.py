@@ -78,7 +78,7 @@ def work(term: Term, q: np.ndarray, rest: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore"):  # what has no value is not rough
             fine, coarse = (length * weights @ net for weights in (rule.fine, rule.coarse))
             rough = np.abs(fine - coarse) > near[state]
-        if halving == HALVINGS or len(state) > PIECES * count:
+        if halving == HALVINGS or len(state) > PIECES * len(np.unique(state)):
             rough[:] = False
         np.add.at(total, state[~rough], fine[~rough])
         state, begin, length = state[rough], begin[rough], 0.5 * length
