@@ -10,19 +10,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from vibrom.artefacts.data import open_dataset
-from vibrom.experiments import decay, eigenvalues, reconstruction
+from vibrom.config import settings
+from vibrom.experiments import Given, experiment
 from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure, trajectory
-from vibrom.models.rollout import Integrator
+from vibrom.models.reduced import Integrator, Reduced
 from vibrom.models.training import Training
-from vibrom.steps import full_order_decay, release
+from vibrom.steps import record, release
 from vibrom.steps import structure as structure_step
 from vibrom.thesis import published as thesis
 
-SCENES = Path(__file__).parents[1] / "config/scenes"
+CONFIG = Path(__file__).parents[1] / "config"
 # (probe y, tip y, tip x) [m] and phi_1' M q of the five release states.
 STATES = {
     ("small", "test"): (0.049608, 0.13392, -0.01049, 0.044443),
@@ -36,22 +36,15 @@ STATES = {
 
 @pytest.fixture(scope="module", params=["small", "large", "folding"])
 def case(request, tmp_path_factory):
-    folder, scene = (
-        tmp_path_factory.mktemp(request.param),
-        yaml.safe_load((SCENES / f"{request.param}.yaml").read_text()),
-    )
+    folder = tmp_path_factory.mktemp(request.param)
+    scene = settings.load(CONFIG).scenes[request.param].to_builtins()
     path = {name: str(folder / f"{name}.nc") for name in ("structure", "release", "train", "test")}
-    structure_step.run(structure=path["structure"], scene=scene, name=request.param, provenance={})
-    release.run(structure=path["structure"], release=path["release"], scene=scene, provenance={})
+    given = {"scene": scene, "provenance": {}}
+    structure_step.run(structure=path["structure"], name=request.param, **given)
+    release.run(structure=path["structure"], release=path["release"], **given)
     for role in ("train", "test"):
-        full_order_decay.run(
-            structure=path["structure"],
-            release=path["release"],
-            trajectory=path[role],
-            scene=scene,
-            role=role,
-            provenance={},
-        )
+        known = {name: path[name] for name in ("structure", "release")}
+        record.run(trajectory=path[role], role=role, **known, **given)
     kinds = {
         "structure": "structure",
         "release": "release",
@@ -80,17 +73,19 @@ def test_rows_of_the_thesis(case, method):
     rom = method_from_settings(method, {}).fit(
         Training((trajectory(artefacts["train"]),), structure=known)
     )
-    asked = {**artefacts, "rom": rom}
+    model = Reduced.of_scene(rom, artefacts["structure"], Integrator())
+    given = Given(artefacts["structure"], 200, {"test": artefacts["test"]})
 
-    def score(experiment, metric):
-        return float(experiment.predict(asked, Integrator())["score_value"].sel(score=metric))
+    def score(question, metric):
+        asked = experiment(question)
+        return asked.score(asked.ask(model, given), artefacts["test"])[metric]
 
-    assert score(reconstruction, "nmte_percent") == pytest.approx(
+    assert score("reconstruction", "nmte_percent") == pytest.approx(
         thesis.percent("reconstruction", name, method)[0], rel=5e-3
     )
-    assert score(decay, "nmte_percent") == pytest.approx(
+    assert score("decay", "nmte_percent") == pytest.approx(
         thesis.percent("decay", name, method)[0], rel=4e-2
     )
     real, imaginary = thesis.eigenvalue(name, method)
-    assert score(eigenvalues, "real_per_s") == pytest.approx(real, rel=5e-3)
-    assert score(eigenvalues, "imaginary_rad_per_s") == pytest.approx(imaginary, rel=5e-3)
+    assert score("eigenvalues", "real_per_s") == pytest.approx(real, rel=5e-3)
+    assert score("eigenvalues", "imaginary_rad_per_s") == pytest.approx(imaginary, rel=5e-3)
