@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from vibrom.solvers.full.sparse import Tangent
+from vibrom.solvers.full.tangent import Tangent
 from vibrom.solvers.full.static import Body
 from vibrom.term import Term
 

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from vibrom.solvers.full.newmark import Motion, Newmark, Record
-from vibrom.solvers.full.sparse import Tangent
+from vibrom.solvers.full.tangent import Tangent
 from vibrom.solvers.periodic.carry import Steps, carried, linearised
 from vibrom.solvers.periodic.coordinates import Coordinates, NoState
 from vibrom.solvers.periodic.maps import Return, Swing
