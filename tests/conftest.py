@@ -1,6 +1,33 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).parent))
 
 from beam import beam  # noqa: E402, F401  a fixture
+
+# What `make check` leaves out: whole workflows, trainings, long integrations, compilation.
+SLOW = (
+    "benchmarks",
+    "latent",
+    "methods",
+    "report",
+    "solvers",
+    "studies",
+    "test_lanes.py",
+    "test_rollout.py",
+    "test_thesis_rows.py",
+    "workflow/test_bad_input.py",
+    "workflow/test_readme.py",
+    "workflow/test_resume.py",
+    "workflow/test_small_dag.py",
+    "workflow/test_tracking.py",
+)
+
+
+def pytest_collection_modifyitems(items):
+    here = Path(__file__).parent
+    for item in items:
+        if str(item.path.relative_to(here)).startswith(SLOW):
+            item.add_marker(pytest.mark.slow)

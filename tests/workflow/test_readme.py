@@ -70,7 +70,6 @@ def test_every_section_that_adds_something_has_its_files():
         assert FILE.search(text), f"Add a {name}: no file in it"
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("method", ["one_mode", "ssmlearn_7"])
 def test_the_new_methods_are_evaluated_in_the_new_scene_too(followed, method):
     decay = table(followed, "decay")
@@ -79,7 +78,6 @@ def test_the_new_methods_are_evaluated_in_the_new_scene_too(followed, method):
         assert row["outcome"].tolist() in (["ok"], ["left_range"]), decay
 
 
-@pytest.mark.slow
 def test_the_new_effect_stiffens_the_body(followed):
     """Without the spring the first frequency falls: 2 kN/m against 3 EI/L^3 = 10.4 kN/m."""
     ablation = table(followed, "ablation")
@@ -88,7 +86,6 @@ def test_the_new_effect_stiffens_the_body(followed):
     assert -12.0 < change < -5.0
 
 
-@pytest.mark.slow
 def test_the_new_experiment_has_scores_a_table_and_a_place_on_the_page(followed):
     scores = pd.read_csv(followed / "results/scores.csv", keep_default_na=False)
     work = scores[scores["experiment"] == "work"]
@@ -97,7 +94,6 @@ def test_the_new_experiment_has_scores_a_table_and_a_place_on_the_page(followed)
     assert "Scores of the experiment work" in (followed / "results/report.html").read_text()
 
 
-@pytest.mark.slow
 def test_the_new_study_has_its_table_and_its_figure(followed):
     rows = table(followed, "loose_integration")
     assert set(rows["method"]) == {"ssmlearn", "ssmlearn_7", "one_mode"}
