@@ -5,7 +5,7 @@
 B (n, k) orthonormal directions: the known modes first, if wanted, then the proper orthogonal
 directions of what they leave of the training displacements; s [m] the root mean square displacement
 vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over s. A direction that
-carries less than 1e-7 of the displacements is left out: what the data say of it is rounding.
+carries less than 5e-7 of the displacements is left out: what the data say of it is rounding.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from vibrom.models.training import Structure, Training, Trajectory
 
-SMALLEST = 1e-7  # of the displacements: what a direction carries at least
+SMALLEST = 5e-7  # of the displacements: what a direction carries at least
 
 Linear = Literal["none", "pod", "modes"]
 TimeScale = Literal["first_frequency", "none"]
