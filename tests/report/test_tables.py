@@ -12,6 +12,7 @@ from vibrom.report.collection import Collection
 from vibrom.report.columns import Column, number, with_change
 from vibrom.report.scores import Scores
 from vibrom.report.table import FAILED, REFERENCE, Printed, printed, table
+from vibrom.report.tables.beam import ten_digits
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
@@ -199,7 +200,7 @@ def test_beam_reads_the_scene_and_keeps_probe_and_tip_apart(made, collection):
 
 def test_the_beam_has_no_noise_in_its_last_digits():
     values = (0.010000000000000007, np.float64(398.0524086482218), "a", 7)
-    assert [tables.beam.ten_digits(value) for value in values] == [0.01, 398.0524086, "a", 7]
+    assert [ten_digits(value) for value in values] == [0.01, 398.0524086, "a", 7]
 
 
 def test_a_failure_and_leaving_the_training_range_are_two_things():

@@ -134,7 +134,7 @@ def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeyp
     def full(*paths):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(data.os, "replace", full)
+    monkeypatch.setattr("vibrom.artefacts.files.os.replace", full)
     with pytest.raises(SystemExit):
         run(lambda **given: data.save_dataset(losses, path))
     printed = capfd.readouterr().err.strip()

@@ -37,10 +37,10 @@ class PlugError(ConfigError):
 
 
 @cache
-def names(folder: str) -> list[str]:
+def names(folder: str) -> tuple[str, ...]:
     """The plugs in a folder of vibrom: effects, report/tables, ..."""
     found = [file.stem for file in (source.PACKAGE / folder).glob("*.py") if file.stem[0] != "_"]
-    return sorted(name for name in found if folder not in PLUGS or class_of(folder, name))
+    return tuple(sorted(name for name in found if folder not in PLUGS or class_of(folder, name)))
 
 
 def settings_of(folder: str, name: str) -> type[Block]:

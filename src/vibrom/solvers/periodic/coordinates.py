@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 
-from vibrom.solvers.full.tangent import Tangent
 from vibrom.solvers.full.static import Body
+from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
 
 SHIFT = 10.0  # times the first frequency: slower modes count as slow
