@@ -121,7 +121,7 @@ def test_the_study_of_costs_agrees_with_the_experiments(run):
     assert float(at("ssmlearn_11", "periods", "2")["data_seconds"]) == pytest.approx(
         share * float(train["seconds"])
     )
-    # A tolerance needs no new fit; a start that is trained anew does.
+    # A tolerance needs no new fit; a start that is trained again does.
     usual, loose, short = (
         at("split_plus"),
         at("split_plus", "rtol", "0.001"),
