@@ -15,11 +15,11 @@ from rich.table import Table as Grid
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import GONE, Row, missing, number
+from vibrom.report.scores import offline
 from vibrom.report.table import Table
 from vibrom.thesis.labels import label
 
 FOOTNOTE = "* outside the range of its training data"
-OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 TABLES = ("decay", "forced", "run_times", "checks")  # that the headline is made of
 WIDTH = 100
 
@@ -61,10 +61,8 @@ def cost(rows: Sequence[Row]) -> Callable[[Row], str]:
     full = {row["case"]: row["decay_s"] for row in rows if row["method"] == FULL_ORDER}
 
     def cell(row: Row) -> str:
-        offline = [row[name] for name in OFFLINE]
-        seconds = float(np.nansum(offline)) if np.isfinite(offline).any() else np.nan
         speed = full.get(row["case"], np.nan) / row["decay_s"] if row["decay_s"] else np.nan
-        return f"{number(seconds, 3)} s, {number(speed, 2)} x"
+        return f"{number(offline(row), 3)} s, {number(speed, 2)} x"
 
     return cell
 

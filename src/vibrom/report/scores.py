@@ -9,7 +9,7 @@ failed seeds are left out, and the median has no value when as many seeds failed
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,10 @@ import xarray as xr
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.config import plugs
 from vibrom.report.collection import Collection, Key, outcome
+
+# Scores of the experiment run_times.
+OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
+ONLINE = ("decay_s", "forced_s", "frc_s")
 
 
 class Score(NamedTuple):
@@ -100,6 +104,13 @@ class Scores:
         rows = self.of_experiment(scene, method, experiment, metric)
         return spread((row.value for row in rows), worst=worst)
 
+    def seconds(self, scene: str, model: str) -> dict[str, float]:
+        """Run times of a model, offline and online: medians over seeds."""
+        return {
+            name: self.spread(scene, model, "run_times", name, worst=False).median
+            for name in OFFLINE + ONLINE
+        }
+
     def outcome(self, scene: str, method: str, experiment: str) -> Tally:
         """How the seeds ended; empty where the model took no part."""
         seeds = {row.seed: row.outcome for row in self.of_experiment(scene, method, experiment)}
@@ -119,6 +130,12 @@ class Scores:
         errors = {seed: self.value(scene, method, seed, "decay", "nmte_percent") for seed in seeds}
         ranked = sorted(seeds, key=lambda seed: np.nan_to_num(errors[seed], nan=np.inf))
         return ranked[(len(ranked) - 1) // 2]
+
+
+def offline(seconds: Mapping[str, float]) -> float:
+    """All that is spent before the first answer [s]; what a method does not have counts nothing."""
+    parts = [seconds[name] for name in OFFLINE]
+    return float(np.nansum(parts)) if np.isfinite(parts).any() else np.nan
 
 
 def _scores(key: Key, dataset: xr.Dataset) -> list[Score]:

@@ -77,8 +77,8 @@ def table(
 
 def mark(row: Row) -> str:
     """A row is marked where something failed, and where it is that of the full order."""
-    ended = row.get("outcome", Tally())
-    if failed(ended if isinstance(ended, Tally) else Tally([ended])):
+    ended = row.get("outcome")
+    if not missing(ended) and failed(ended if isinstance(ended, Tally) else Tally([ended])):
         return FAILED
     return REFERENCE if row.get("method") == FULL_ORDER else ""
 

@@ -25,14 +25,6 @@ STATES = {
     ("folding", "test"): 4,
     ("folding", "train"): 5,
 }
-RUN_TIMES = (
-    "generate_training_data_s",
-    "obtain_mapping_s",
-    "obtain_dynamics_s",
-    "decay_s",
-    "forced_s",
-    "frc_s",
-)
 
 
 @cache

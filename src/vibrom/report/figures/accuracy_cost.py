@@ -12,14 +12,13 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.drawing import panels, style
-from vibrom.report.scores import endings
+from vibrom.report.scores import endings, offline
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 410
 EACH = "run"
 GLANCE = True
-OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 FLOOR = 1e-5  # [s] a cost measured as zero is drawn here: the axis is logarithmic
 AXES = ("offline: data, mapping, dynamics [s]", "online: one decay [s]")
 
@@ -39,12 +38,13 @@ def draw(collection, scores, scene=None) -> Figure:
         for method, look in looks.items():
             error = scores.spread(name, method, "decay", "nmte_percent")
             if np.isfinite(error.median):
-                for panel, price in zip(column, cost(scores, name, method)):
+                seconds = scores.seconds(name, method)
+                for panel, price in zip(column, (offline(seconds), seconds["decay_s"])):
                     handles |= mark(panel, price, error, method, look)
             else:
                 ended = endings(collection, scores, name, method, "decay")
                 lost.append(f"{label(method)}: {ended}")
-        mark_full_order(column[1], seconds(scores, name, FULL_ORDER, "decay_s"))
+        mark_full_order(column[1], scores.seconds(name, FULL_ORDER)["decay_s"])
         if lost:
             panels.words(column[0], "no median:\n" + "\n".join(lost), place="above")
     for panel in axes.flat:
@@ -72,15 +72,3 @@ def mark_full_order(panel, price: float) -> None:
         panel.axvline(price, color="black", linewidth=1.2, linestyle=(0, (4, 2)))
         where = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": 7}
         panel.text(price, 0.02, "full order ", **where, transform=panel.get_xaxis_transform())
-
-
-def seconds(scores, scene: str, model: str, quantity: str) -> float:
-    """One run time, median over seeds."""
-    return scores.spread(scene, model, "run_times", quantity, worst=False).median
-
-
-def cost(scores, scene: str, method: str) -> tuple[float, float]:
-    """Offline and online seconds; parts that a method does not have count nothing."""
-    parts = [seconds(scores, scene, method, quantity) for quantity in OFFLINE]
-    offline = float(np.nansum(parts)) if np.isfinite(parts).any() else np.nan
-    return offline, seconds(scores, scene, method, "decay_s")

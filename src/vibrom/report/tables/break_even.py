@@ -12,13 +12,12 @@ import numpy as np
 from vibrom.report import curves
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import CASE, METHOD, OUTCOME, Column, as_given
-from vibrom.report.scores import spread
+from vibrom.report.scores import offline, spread
 from vibrom.studies.parts.work_precision import break_even
 from vibrom.thesis import published as thesis
 
 FAMILY = "models"
 PLACE = 80
-OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 COUNTED = {"decay": "decays", "forced": "forced_runs", "frc": "sweeps"}
 HEADINGS = {"decays": "decays", "forced_runs": "forced runs", "sweeps": "response curves"}
 
@@ -51,12 +50,12 @@ def build(collection, scores):
     """One row a case and method."""
     rows = []
     for scene in collection.scenes:
-        full = times(scores, scene, FULL_ORDER)
+        full = scores.seconds(scene, FULL_ORDER)
         for method in collection.methods:
-            own = times(scores, scene, method)
+            own = scores.seconds(scene, method)
             printed = {name: thesis.run_time(name, scene, method) for name in own}
-            row = {"case": scene, "method": method, "offline_s": total(own)}
-            row["thesis_offline_s"] = total(printed)
+            row = {"case": scene, "method": method, "offline_s": offline(own)}
+            row["thesis_offline_s"] = offline(printed)
             for experiment, name in COUNTED.items():
                 online = f"{experiment}_s"
                 row[name] = row[f"thesis_{name}"] = np.nan
@@ -72,14 +71,6 @@ def build(collection, scores):
                     )
             rows.append(row | {"outcome": scores.outcome(scene, method, "run_times")})
     return rows
-
-
-def times(scores, scene: str, model: str) -> dict[str, float]:
-    """Median seconds of each part of a model's cost."""
-    return {
-        name: scores.spread(scene, model, "run_times", name, worst=False).median
-        for name in thesis.RUN_TIMES
-    }
 
 
 def error(collection, scores, scene: str, method: str, experiment: str) -> float:
@@ -98,9 +89,3 @@ def spent(scores, scene: str, method: str) -> float:
 def fails(experiment: str, scene: str, method: str) -> bool:
     """Does the thesis print that this method fails? It prints no errors of response curves."""
     return experiment != "frc" and bool(thesis.percent(experiment, scene, method)[1])
-
-
-def total(parts: dict[str, float]) -> float:
-    """Offline seconds; parts that a method does not have count nothing."""
-    offline = [parts[name] for name in OFFLINE]
-    return float(np.nansum(offline)) if np.isfinite(offline).any() else np.nan

@@ -27,11 +27,10 @@ COLUMNS = (
     CASE,
     METHOD,
     Column("seed", whole=True),
-    *hidden("omega_rad_per_s", "probe_amplitude_m"),
-    Column("probe_half_range_m", optional=True),
-    *hidden("tip_amplitude_m", "phase_rad"),
+    *hidden("omega_rad_per_s", "probe_amplitude_m", "tip_amplitude_m", "phase_rad"),
     OUTCOME,
     *hidden("failed_at_s"),
+    Column("probe_half_range_m", optional=True),
 )
 SUMMARY = (
     CASE,

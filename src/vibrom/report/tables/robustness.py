@@ -2,9 +2,9 @@
 
 Every model is forced from rest at each level and frequency of the grid, released from random
 states up to the given distance beyond its training range, and forced from such states
-(``robustness`` in ``config.yaml``). A run holds when it goes all the way, inside its training
-range or out of it; the interval is Wilson's for 95 % (J. Am. Stat. Assoc. 22 (1927) 209). With
-``bounded`` the polynomials are extrapolated linearly beyond the training range; with
+(``studies.robustness`` in ``config.yaml``). A run holds when it goes all the way, inside its
+training range or out of it; the interval is Wilson's for 95 % (J. Am. Stat. Assoc. 22 (1927)
+209). With ``bounded`` the polynomials are extrapolated linearly beyond the training range; with
 ``dissipative`` the dynamics are fitted again so that they cannot gain energy anywhere.
 """
 
