@@ -51,7 +51,7 @@ def test_every_experiment_has_an_answer(rom, integrator):
     model = Reduced(
         rom, two_dofs.LOAD, np.array([0, 1]), two_dofs.DAMPED, Integrator(method=integrator)
     )
-    waiting, found = plugs.names("experiments"), {}
+    waiting, found = list(plugs.names("experiments")), {}
     while waiting:
         name = next(name for name in waiting if not set(question(name).reads) & set(waiting))
         found[name] = question(name).ask(model, two_dofs.given(**found))
