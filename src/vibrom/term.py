@@ -33,6 +33,21 @@ class SceneError(ValueError):
 
 
 @dataclass(frozen=True)
+class Quartic:
+    """A potential that is a square of quadratic functions, at every point of a body, less what is
+    quadratic in the displacements.
+
+        U(q) = sum_points w/2 [e' D e - (L y)' D (L y)],    e = L y + Q(y, y),    y = B q
+    """
+
+    local: csr_matrix  # B (k points, n): row c points + j is component c of y at point j
+    weight: np.ndarray  # w (points,)
+    linear: np.ndarray  # L (m, k)
+    square: np.ndarray  # Q (m, k, k), symmetric in the last two
+    moduli: np.ndarray  # D (m, m), symmetric
+
+
+@dataclass(frozen=True)
 class Force:
     """A state-dependent force, element by element."""
 
@@ -43,6 +58,9 @@ class Force:
     # Its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row); otherwise
     # d*d (row by row).
     symmetric: bool = True
+    # gives the potentials that the force derives from, none of a force that is linear; None where
+    # it is no cubic polynomial of the displacements
+    quartic: Callable[[], tuple[Quartic, ...]] | None = None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix
 
 from vibrom.bodies.space import Space
 from vibrom.config.kinds import Direction, Point
-from vibrom.term import Force, Term, force_kernel, tangent_kernel
+from vibrom.term import Force, Quartic, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
 
@@ -31,9 +31,19 @@ class CubicSpring:
             else None
         )
         spring = Force(
-            lambda width: (_force, _tangent), np.array([[dof]]), np.array([[float(self.cubic)]])
+            lambda width: (_force, _tangent),
+            np.array([[dof]]),
+            np.array([[float(self.cubic)]]),
+            quartic=lambda: (_potential(space.size, dof, self.cubic),),
         )
         return Term(stiffness=stiffness, forces=(spring,) if self.cubic else ())
+
+
+def _potential(size: int, dof: int, cubic: float) -> Quartic:
+    """U = k_3 u^4/4  with  e = u^2  and  D = k_3/2."""
+    one = np.ones((1, 1))
+    at = csr_matrix(([1.0], ([0], [dof])), shape=(1, size))
+    return Quartic(at, np.ones(1), 0.0 * one, one[None], 0.5 * cubic * one)
 
 
 @force_kernel

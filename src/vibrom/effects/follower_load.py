@@ -48,7 +48,13 @@ class FollowerLoad:
         return Term(
             dead_load=space.vector(load),
             forces=(
-                Force(lambda width: (_force, _tangent), space.number[dofs], table, symmetric=False),
+                Force(
+                    lambda width: (_force, _tangent),
+                    space.number[dofs],
+                    table,
+                    symmetric=False,
+                    quartic=tuple,
+                ),
             ),
         )
 

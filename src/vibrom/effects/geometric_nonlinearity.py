@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from vibrom.bodies.space import Space
 from vibrom.kernels.lanes import WIDTH, entry, fill, get, inlined, put, stack
-from vibrom.term import Force, Term, force_kernel, tangent_kernel
+from vibrom.term import Force, Quartic, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
 
@@ -50,6 +51,7 @@ class GeometricNonlinearity:
                     partial(_kernels, shapes, points),
                     dofs,
                     np.ascontiguousarray(np.pad(table, ((0, missing), (0, 0))).T),
+                    quartic=lambda: (_potential(space, elastic, gradients),),
                 ),
             )
         )
@@ -65,6 +67,31 @@ def _linear_stiffness(
     b[2, 0::2], b[2, 1::2] = gradients[:, 1], gradients[:, 0]
     full = np.einsum("iaek,ij,jbek,ek->eab", b, elastic, b, weights, optimize=True)
     return full[:, *np.tril_indices(2 * shapes)]
+
+
+def _potential(space: Space, elastic: np.ndarray, gradients: np.ndarray) -> Quartic:
+    """U = int E' D E/2 dA  with  y = (H_11, H_12, H_21, H_22)  and  e = (E_11, E_22, 2 E_12)."""
+    shapes, _, elements, points = gradients.shape
+    rows, columns, values = [], [], []
+    at = np.arange(elements * points).reshape(elements, points)
+    for a, i, j in np.ndindex(shapes, 2, 2):
+        dofs = np.broadcast_to(space.element_dofs[:, 2 * a + i, None], at.shape)
+        free = dofs >= 0
+        rows.append((at + (2 * i + j) * at.size)[free])
+        columns.append(dofs[free])
+        values.append(gradients[a, j][free])
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    linear = np.array([[1.0, 0, 0, 0], [0, 0, 0, 1.0], [0, 1.0, 1.0, 0]])
+    square = np.zeros((3, 4, 4))
+    for i in range(2):
+        for strain, (j, k) in enumerate(((0, 0), (1, 1), (0, 1))):
+            square[strain, 2 * i + j, 2 * i + k] += 0.5
+            square[strain, 2 * i + k, 2 * i + j] += 0.5
+    square[:2] *= 0.5
+    moduli = np.zeros((3, 3))
+    moduli[:2, :2], moduli[2, 2] = elastic[:2, :2], elastic[2, 2]
+    local = csr_matrix(entries, shape=(4 * at.size, space.size))
+    return Quartic(local, space.scalar.dx.reshape(-1), linear, square, moduli)
 
 
 @cache

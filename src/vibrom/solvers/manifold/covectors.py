@@ -1,0 +1,140 @@
+"""Covectors that measure a perturbation along a manifold.
+
+    Y_i(z) = (y_i, x_i):    Y_i B d_j W = delta_ij,    Y_i B x = 0  where x decays onto the manifold
+
+B x = (C q + M v, M q). A load p u pushes the motion by S_i u = y_i' p u along the manifold, whatever
+the signal u; the rest of it stays beside. They obey  DY_i R + Y_i (A + DF(W)) = sum_j dR_i/dz_j Y_j
+B, or degree by degree, with sigma = lambda_i - s and what lower degrees contribute, e and g,
+
+    A(sigma)' y_ia = -g_ia - sigma M' e_ia,    x_ia = sigma y_ia + e_ia.
+
+Where damping is proportional to the mass, they are those of the symplectic form (`canonical`), and
+need no linear systems.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from vibrom.solvers.manifold.canonical import slopes
+from vibrom.solvers.manifold.parametrisation import Manifold
+from vibrom.solvers.manifold.pencil import Border, Pencil
+from vibrom.solvers.manifold.tangent import Degree, TangentSeries
+
+
+@dataclass(frozen=True)
+class Covectors:
+    """Coefficients, the constant first, to one degree less than those of the manifold."""
+
+    y: np.ndarray  # (2d, 1 + l, n) complex
+    x: np.ndarray  # (2d, 1 + l, n) complex
+
+    def truncated(self, count: int) -> Covectors:
+        """Those of the first monomials."""
+        return Covectors(self.y[:, : 1 + count], self.x[:, : 1 + count])
+
+
+def of_push(manifold: Manifold, push: np.ndarray) -> Covectors:
+    """x_i = sum_j dR_i/dz_j y_j - Dy_i R  of y = `push` (2d, 1 + l, n)."""
+    monomials, values = manifold.monomials, manifold.masters.eigenvalues
+    rates, x = slopes(monomials, manifold.dynamics.T), np.zeros_like(push)
+    sums = np.append(0.0, monomials.powers @ values)
+    for k in range(monomials.order):
+        degree = Degree.of(monomials, k)
+        here, along = degree.targets, degree.along(manifold.dynamics)
+        for i in range(len(push)):
+            x[i, here] = (values[i] - sums[here, None]) * push[i, here] - along @ push[i]
+            for j in range(len(push)):
+                x[i, here] += degree.times(rates[j, :, i]) @ push[j]
+    return Covectors(push, x)
+
+
+def carried(manifold: Manifold) -> Covectors:
+    """By the equations themselves: right for any damping and any tangent."""
+    return _Carried(manifold).run()
+
+
+class _Carried:
+    """The coefficients as they are found, degree by degree."""
+
+    def __init__(self, manifold: Manifold):
+        self.manifold, monomials = manifold, manifold.monomials
+        pencil = manifold.pencil
+        self.values = manifold.masters.eigenvalues
+        turned = (pencil.mass, pencil.damping, pencil.stiffness)
+        self.turned = Pencil(*(part.T.tocsr() for part in turned))
+        shape = (len(self.values), 1 + len(monomials), pencil.size)
+        self.y, self.x = np.zeros(shape, complex), np.zeros(shape, complex)
+        self.rates = slopes(monomials, manifold.dynamics.T)  # dR_i/dz_j
+        self.tangents = [
+            slopes(monomials, part) for part in (manifold.displacement, manifold.velocity)
+        ]
+        self.sums = np.append(0.0, monomials.powers @ self.values)
+        self.conjugate = np.append(0, monomials.conjugate + 1)
+
+    def run(self) -> Covectors:
+        manifold, mirror = self.manifold, self.manifold.masters.mirror
+        first = [i for i in range(len(mirror)) if i <= mirror[i]]
+        forces = [[TangentSeries(f, manifold.monomials) for f in manifold.forces] for _ in first]
+        for k in range(manifold.monomials.order):
+            degree = Degree.of(manifold.monomials, k)
+            along = degree.along(manifold.dynamics)
+            for i, force in zip(first, forces):
+                self._solve(i, degree, along, force)
+            there = self.conjugate[degree.targets]
+            for i in first:
+                for part in (self.y, self.x):
+                    part[mirror[i], there] = part[i, degree.targets].conj()
+        return Covectors(self.y, self.x)
+
+    def _solve(
+        self, i: int, degree: Degree, along: csr_matrix, forces: list[TangentSeries]
+    ) -> None:
+        turned, masters, targets = self.turned, self.manifold.masters, degree.targets
+        e, f = (-(along @ part[i]) for part in (self.y, self.x))
+        for j in range(len(self.values)):
+            times = degree.times(self.rates[j, :, i])
+            e, f = e + times @ self.y[j], f + times @ self.x[j]
+        g = sum(
+            (part.next(degree) for part in forces), (turned.damping @ e.T + turned.mass @ f.T).T
+        )
+        missing = self._missing(i, degree)
+        left = [(part @ masters.left.T).T for part in (turned.mass, turned.damping)]
+        right = [(part.T @ masters.shapes.T).T for part in (turned.mass, turned.damping)]
+        for row, target in enumerate(targets):
+            sigma = self.values[i] - self.sums[target]
+            factor = (sigma + self.values)[:, None]
+            border = Border(
+                (factor * left[0] + left[1]).T,
+                factor * right[0] + right[1],
+                right[0] @ masters.left.T,
+                missing[row] - right[0] @ e[row],
+                masters.pinned,
+            )
+            f_here = -g[row] - sigma * (turned.mass @ e[row])
+            self.y[i, target], extra = turned.solve_bordered(sigma, f_here, border)
+            # `extra` is zero but for rounding, except where the constant is normalised.
+            self.x[i, target] = sigma * self.y[i, target] + e[row] + extra @ masters.left
+        for part in forces:
+            part.complete(degree, self.y[i, targets])
+
+    def _missing(self, i: int, degree: Degree) -> np.ndarray:
+        """(t, 2d): what Y_i B d_j W of the known coefficients lacks of delta_ij."""
+        found = np.zeros((len(degree.targets), len(self.y)), complex)
+        if degree.targets[0] == 0:
+            found[0, i] = 1.0
+            return found
+        turned = self.turned
+        measures = (
+            (turned.damping @ self.y[i].T + turned.mass @ self.x[i].T).T,
+            (turned.mass @ self.y[i].T).T,
+        )
+        one, other = degree.left, degree.right + 1
+        for j in range(len(self.y)):
+            for measure, tangent in zip(measures, self.tangents):
+                products = np.einsum("kn,kn->k", measure[one], tangent[j, other])
+                np.subtract.at(found[:, j], degree.row, products)
+        return found
