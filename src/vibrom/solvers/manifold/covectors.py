@@ -2,9 +2,12 @@
 
     Y_i(z) = (y_i, x_i):    Y_i B d_j W = delta_ij,    Y_i B x = 0  where x decays onto the manifold
 
-B x = (C q + M v, M q). A load p u pushes the motion by S_i u = y_i' p u along the manifold, whatever
-the signal u; the rest of it stays beside. They obey  DY_i R + Y_i (A + DF(W)) = sum_j dR_i/dz_j Y_j
-B, or degree by degree, with sigma = lambda_i - s and what lower degrees contribute, e and g,
+B x = (C q + M v, M q). A load p u pushes the motion by S_i u = y_i' p u along the manifold,
+whatever the signal u; the rest of it stays beside. They obey
+
+    DY_i R + Y_i (A + DF(W)) = sum_j dR_i/dz_j Y_j B,
+
+or degree by degree, with sigma = lambda_i - s and what lower degrees contribute, e and g,
 
     A(sigma)' y_ia = -g_ia - sigma M' e_ia,    x_ia = sigma y_ia + e_ia.
 
