@@ -15,6 +15,7 @@ from vibrom.bodies import space
 from vibrom.models import recorded
 from vibrom.models.training import Structure, Trajectory
 from vibrom.steps import record, release, structure
+from vibrom.term import Term
 
 BODY = {**scenes.body(cells=[3, 1], element="quadratic"), "shape": "rectangle"}
 SCENE = {
@@ -54,6 +55,10 @@ class Beam:
     @cached_property
     def trajectory(self) -> Trajectory:
         return recorded.trajectory(self.train)
+
+    @cached_property
+    def term(self) -> Term:
+        return effects.assemble(space.build(SCENE["body"]), SCENE["effects"])
 
     def load(self, name: str) -> np.ndarray:
         """(n,) N per unit of the signal."""

@@ -62,6 +62,7 @@ def fits(beam, example):
                 seed=0,
                 start=None if start is None else fit(start).rom,
                 monitor=Clock(),
+                term=beam.term,
             )
             method = method_from_settings(name, {})
             found[name] = Fit(method, method.learn(training), training)
@@ -89,6 +90,8 @@ def test_what_was_encoded_is_decoded(fit, beam):
     assert np.abs(fit.rom.encode(fit.rom.decode(z)) - z).max(axis=0) == pytest.approx(
         np.zeros(z.shape[1]), abs=0.03 * fit.rom.reach.max()
     )
+    if fit.method.of_equations:
+        return  # its reach is not that of the data
     assert np.array_equal(fit.rom.reach, np.abs(z).max(axis=0)) or np.allclose(
         fit.rom.reach, np.abs(z).max(axis=0), rtol=1e-12
     )

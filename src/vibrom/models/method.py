@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, fields
-from typing import Literal, get_type_hints
+from typing import ClassVar, Literal, get_type_hints
 
 import msgspec
 
@@ -18,6 +18,8 @@ class Method(ABC):
     """How to learn a Rom. The fields are the settings of its yaml file; those of `Guards` are
     every method's.
     """
+
+    of_equations: ClassVar[bool] = False  # is it made from Training.term, without any motion?
 
     # of polynomials beyond the training range: extrapolated linearly, or evaluated as they are
     extrapolation: Literal["none", "linear"] = field(default="none", kw_only=True)

@@ -73,9 +73,25 @@ class Reduced:
         ends = np.cumsum([part.shape[1] for part in every])[:-1]
         parts = tuple(np.split(reduced, ends, axis=1))
         displacement = tuple(self.decoded(part, watch.dofs) for part, watch in zip(parts, watches))
+        if drive is not None:
+            displacement = tuple(
+                shape + self._beside(part, moments, drive, watch.dofs)
+                for shape, part, moments, watch in zip(displacement, parts, every, watches)
+            )
         seconds = time.perf_counter() - began
         outcome = np.array(run.outcome, dtype=object)
         return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, seconds)
+
+    def _beside(
+        self, reduced: np.ndarray, instants: np.ndarray, drive: Drive, dofs: np.ndarray | None
+    ) -> np.ndarray | float:
+        """What the load adds to the displacement (b, m, k) of reduced states (b, m, r)."""
+        added = self.rom.beside(reduced, self.load, dofs)
+        if added is None:
+            return 0.0
+        angle = drive.frequency[:, None] * instants
+        waves = np.stack([np.sin(angle), np.cos(angle)]) * drive.amplitude[:, None]
+        return np.einsum("wbm,wbmk->bmk", waves, added)
 
     def return_map(self) -> FlowMap:
         """See `Model.return_map`."""

@@ -6,8 +6,9 @@ x (*batch, 2n) is displacement [m], then velocity [m/s], of the n free degrees o
 (*batch, 2d) are d reduced positions, then what goes with each as its velocity; the load is p u(t),
 with p (n,) in N per unit of the signal u. Rollouts, response curves, backbones and timings are
 functions of these four and of nothing else, so that every model answers the same questions in the
-same way. Two more have defaults that a model may override where it can do better: `displacement`,
-a part of `decode`, and `field`, which is `drift` and `force_map` in compiled code.
+same way. Three more have defaults that a model may override where it can do better: `displacement`,
+a part of `decode`; `field`, which is `drift` and `force_map` in compiled code; and `beside`, the
+displacement that a load adds at once.
 """
 
 from __future__ import annotations
@@ -136,6 +137,15 @@ class Rom(ABC):
         x = self.decode(z)
         q = x[..., : x.shape[-1] // 2]
         return q if dofs is None else q[..., dofs]
+
+    def beside(
+        self, z: np.ndarray, p: np.ndarray, dofs: np.ndarray | None = None
+    ) -> np.ndarray | None:
+        """What a load p u adds to the displacement of z without moving z, (2, *batch, n) or (2,
+        *batch, k) at `dofs` [m]: per unit of the signal u, and of u a quarter of a period earlier;
+        None: nothing is known of it.
+        """
+        return None
 
     def field(self, p: np.ndarray | None) -> VectorField | None:
         """`drift` and, under a load p, `force_map` in compiled code, for rollouts some hundred

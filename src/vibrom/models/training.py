@@ -7,10 +7,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csr_matrix
+
+if TYPE_CHECKING:
+    from vibrom.term import Term
 
 
 class MethodError(ValueError):
@@ -127,8 +130,11 @@ class Training:
     device: str = "cpu"
     start: object = None  # the fitted Rom of the method that this one starts from
     monitor: Monitor = field(default_factory=Clock)
+    term: Term | None = None  # the equations of motion, for methods that ask for them
 
     def __post_init__(self) -> None:
+        if self.term is not None and not self.trajectories:
+            return
         if not any(np.any(item.displacement) for item in self.trajectories):
             raise MethodError(
                 "the training data hold no motion: every displacement is zero; release the body "

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -21,7 +22,10 @@ from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure as operators
 from vibrom.models.recorded import trajectory
 from vibrom.models.rom import rom_from_dataset
-from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged
+from vibrom.models.training import MethodError, Monitor, Training, TrainingDiverged, Unsupported
+
+if TYPE_CHECKING:
+    from vibrom.term import Term
 
 
 @dataclass(frozen=True)
@@ -103,21 +107,25 @@ class Fitted:
 def run(
     *,
     structure: str,
-    train: str,
     rom: str,
     losses: str,
     recipe: dict[str, Any],
     provenance: dict[str, str],
+    train: str | None = None,
+    scene: dict[str, Any] | None = None,
     start: str | None = None,
     checkpoint: str | None = None,
 ) -> None:
-    """`recipe` are the fields of Recipe, `start` is the fitted model to start from."""
+    """`recipe` are the fields of Recipe, `start` is the fitted model to start from. A method that
+    asks for the equations of motion is given the blocks of the `scene` instead of `train`.
+    """
     given = Recipe(**recipe)
-    motion, known = open_dataset(train, "trajectory"), open_dataset(structure, "structure")
+    motion = open_dataset(train, "trajectory") if train else None
+    known = open_dataset(structure, "structure")
     begun = open_dataset(start, "rom") if start else None
     monitor = FileMonitor(checkpoint, given.title)
     try:
-        fitted = fit_or_reason(given, known, motion, begun, monitor)
+        fitted = fit_or_reason(given, known, motion, begun, monitor, scene)
     finally:
         monitor.close()
     names = {
@@ -142,13 +150,13 @@ def run(
 def fit_or_reason(
     recipe: Recipe,
     known: xr.Dataset,
-    motion: xr.Dataset,
+    motion: xr.Dataset | None,
     begun: xr.Dataset | None,
     monitor: Monitor,
+    scene: dict[str, Any] | None = None,
 ) -> Fitted:
     """The model that the method learns from `motion`, or why there is none."""
-    ended = Outcome(str(motion["outcome"].item()))
-    if not ended.has_value:
+    if motion is not None and not Outcome(str(motion["outcome"].item())).has_value:
         return Fitted(
             xr.Dataset(),
             Outcome.REFERENCE_FAILED,
@@ -163,19 +171,28 @@ def fit_or_reason(
         method = method_from_settings(recipe.kind, recipe.settings)
         method.prepare(recipe.device)
         training = Training(
-            (trajectory(motion),),
+            () if motion is None else (trajectory(motion),),
             operators(known),
             recipe.seed,
             recipe.device,
             None if begun is None else rom_from_dataset(begun),
             monitor,
+            None if scene is None else equations_of_motion(scene),
         )
         return Fitted(method.learn(training).to_dataset())
     except TrainingDiverged as diverged:
         return Fitted(xr.Dataset(), Outcome.TRAINING_DIVERGED, str(diverged))
+    except Unsupported as error:
+        return Fitted(xr.Dataset(), Outcome.SKIPPED, str(error))
     except MethodError as error:
         where = f"{recipe.method} in scene {recipe.scene}"
         raise MethodError(f"{where}: {error}") from error
+
+
+def equations_of_motion(scene: dict[str, Any]) -> Term:
+    """Assembled as the full order has them; that code is not behind other methods."""
+    space, effects = (import_module(f"vibrom.{name}") for name in ("bodies.space", "effects"))
+    return effects.assemble(space.build(scene["body"]), scene["effects"])
 
 
 def seconds(monitor: Monitor, before: float) -> dict[str, xr.Variable]:

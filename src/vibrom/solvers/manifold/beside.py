@@ -39,12 +39,15 @@ def beside(
     ]
     right = [(part @ masters.shapes.T).T for part in (pencil.mass, pencil.damping)]
     left = [(part.T @ masters.left.T).T for part in (pencil.mass, pencil.damping)]
-    state = np.zeros((2, 1 + len(monomials), pencil.size), complex)
+    size = 1 + len(monomials)
+    state = np.zeros((2, size, pencil.size), complex)
+    measured = np.zeros((len(values), size, size), complex)  # Y_i B X of all pairs
     for k in range(monomials.order):
         degree = Degree.of(monomials, k)
         lower = _lower(degree, manifold.dynamics, push, tangents, state)
         h = sum((part.next(degree) for part in forces), np.zeros(lower[0].shape, complex))
-        missing = _missing(degree, measures, state)
+        missing = np.zeros((len(degree.targets), len(values)), complex)
+        np.subtract.at(missing, degree.row, measured[:, degree.right + 1, degree.left].T)
         for row, target in enumerate(degree.targets):
             sigma, (a, b) = sums[target] + 1j * frequency, (part[row] for part in lower)
             f = -h[row] - pencil.mass @ (b + sigma * a) - pencil.damping @ a
@@ -60,8 +63,10 @@ def beside(
                 sigma, f if target else f + load, border
             )
             state[1, target] = sigma * state[0, target] + a + extra @ masters.shapes
+        here = degree.targets
+        measured[:, :, here] = sum(m @ part[here].T for m, part in zip(measures, state))
         for part in forces:
-            part.complete(degree, state[0, degree.targets])
+            part.complete(degree, state[0, here])
     return state[0]
 
 
@@ -72,7 +77,7 @@ def _lower(
     tangents: list[np.ndarray],
     state: np.ndarray,
 ) -> list[np.ndarray]:
-    """a + DW S and b + DV S (t, n)."""
+    """The sums a + DW S and b + DV S (t, n)."""
     along = degree.along(dynamics)
     found = []
     for part, tangent in zip(state, tangents):
@@ -80,13 +85,4 @@ def _lower(
         for series, slope in zip(push, tangent):
             total += series[0] * slope[degree.targets] + degree.times(series) @ slope
         found.append(total)
-    return found
-
-
-def _missing(degree: Degree, measures: list[np.ndarray], state: np.ndarray) -> np.ndarray:
-    """(t, 2d): minus Y_i B X of the known coefficients."""
-    found = np.zeros((len(degree.targets), len(measures[0])), complex)
-    for measure, part in zip(measures, state):
-        products = np.einsum("ikn,kn->ki", measure[:, degree.right + 1], part[degree.left])
-        np.subtract.at(found, degree.row, products)
     return found

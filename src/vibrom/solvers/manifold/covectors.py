@@ -1,6 +1,6 @@
 """Covectors that measure a perturbation along a manifold.
 
-    Y_i(z) = (y_i, x_i):    Y_i B d_j W = delta_ij,    Y_i B x = 0  where x decays onto the manifold
+    Y_i(z) = (y_i, x_i):    Y_i B d_j W = delta_ij,    Y_i B x = 0  where x decays onto it
 
 B x = (C q + M v, M q). A load p u pushes the motion by S_i u = y_i' p u along the manifold,
 whatever the signal u; the rest of it stays beside. They obey
@@ -75,6 +75,7 @@ class _Carried:
         self.tangents = [
             slopes(monomials, part) for part in (manifold.displacement, manifold.velocity)
         ]
+        self.measured = np.zeros((shape[0], shape[0], shape[1], len(monomials)), complex)
         self.sums = np.append(0.0, monomials.powers @ self.values)
         self.conjugate = np.append(0, monomials.conjugate + 1)
 
@@ -121,6 +122,7 @@ class _Carried:
             self.y[i, target], extra = turned.solve_bordered(sigma, f_here, border)
             # `extra` is zero but for rounding, except where the constant is normalised.
             self.x[i, target] = sigma * self.y[i, target] + e[row] + extra @ masters.left
+        self._measure(i, targets)
         for part in forces:
             part.complete(degree, self.y[i, targets])
 
@@ -130,14 +132,14 @@ class _Carried:
         if degree.targets[0] == 0:
             found[0, i] = 1.0
             return found
-        turned = self.turned
-        measures = (
-            (turned.damping @ self.y[i].T + turned.mass @ self.x[i].T).T,
-            (turned.mass @ self.y[i].T).T,
-        )
-        one, other = degree.left, degree.right + 1
-        for j in range(len(self.y)):
-            for measure, tangent in zip(measures, self.tangents):
-                products = np.einsum("kn,kn->k", measure[one], tangent[j, other])
-                np.subtract.at(found[:, j], degree.row, products)
+        products = self.measured[i, :, degree.left, degree.right]
+        np.subtract.at(found, degree.row, products)
         return found
+
+    def _measure(self, i: int, targets: np.ndarray) -> None:
+        """Y_i B d_j W of new coefficients with all of the tangents'."""
+        turned, y, x = self.turned, self.y[i, targets].T, self.x[i, targets].T
+        first, second = (turned.damping @ y + turned.mass @ x).T, (turned.mass @ y).T
+        shape, rate = self.tangents
+        products = shape @ first.T + rate @ second.T  # (2d, 1 + l, t)
+        self.measured[i][:, targets] = products.transpose(0, 2, 1)[:, :, 1:]

@@ -56,14 +56,15 @@ def robust_denominator(
 def of_circle(monomials: Monomials, series: np.ndarray) -> np.ndarray:
     """(1 + l,) a series in x as one in z, the constant first."""
     found = np.zeros(1 + len(monomials), complex)
-    place = monomials.index(np.arange(len(series))[:, None] * np.ones(2, np.int64)) + 1
-    found[np.where(np.arange(len(series)) == 0, 0, place)] = series
+    found[0] = series[0]
+    for k in range(1, len(series)):
+        found[monomials.index(np.array([k, k])) + 1] = series[k]
     return found
 
 
 def numerator(monomials: Monomials, values: np.ndarray, top: int, series: np.ndarray) -> np.ndarray:
     """D F (1 + l, m), truncated at the degree `top`, of `values` F and the coefficients of D."""
-    powers = np.concatenate([[[0, 0]], monomials.powers])
+    powers = np.pad(monomials.powers, ((1, 0), (0, 0)))
     found = values.copy()
     for k in range(1, len(series)):
         target = monomials.index(powers + k) + 1
