@@ -21,15 +21,37 @@ def checkpoint(method):
     """Where an interrupted training resumes; another scene, setting or code starts again, in its own file."""
 
     def path(wildcards, output):
-        recipe = (
-            SCENES[wildcards.scene],
-            METHODS[method],
-            code("fit", f"methods.{SETTINGS.kind_of(method)}"),
-        )
+        recipe = (SCENES[wildcards.scene], METHODS[method], fit_code(method)(wildcards))
         key = hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]
         return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
 
     return path
+
+
+def of_equations(method):
+    """Is it made from the equations of motion, without any motion?"""
+    return constants("methods", SETTINGS.kind_of(method))["of_equations"]
+
+
+def learnt_from(method):
+    """The recorded motion, as the input `train`; none where the equations are enough."""
+    train = "<results>/{scene}/full_order/train.nc"
+    return {} if of_equations(method) else {"train": train}
+
+
+def equations_of(method):
+    """The blocks of the scene that make its equations of motion, for the methods that ask for them."""
+    return {"scene": scene_part()} if of_equations(method) else {}
+
+
+def fit_code(method):
+    """The code of the fit and the method, and of the scene's effects where they are assembled."""
+
+    def attributes(wildcards):
+        effects = scene_modules(wildcards) if of_equations(method) else []
+        return code("fit", f"methods.{SETTINGS.kind_of(method)}", *effects)
+
+    return attributes
 
 
 def recipe(method):
@@ -60,8 +82,8 @@ for METHOD, BLOCK in METHODS.items():
             f"fit_{METHOD}"
         input:
             unpack(start_input(METHOD)),
+            **learnt_from(METHOD),
             structure=rules.structure.output.structure,
-            train="<results>/{scene}/full_order/train.nc",
         output:
             rom=f"<results>/{{scene}}/{METHOD}/{{seed}}/rom.nc",
             losses=f"<results>/{{scene}}/{METHOD}/{{seed}}/losses.nc",
@@ -74,10 +96,11 @@ for METHOD, BLOCK in METHODS.items():
         resources:
             **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
         params:
+            **equations_of(METHOD),
             step="fit",
             recipe=recipe(METHOD),
             checkpoint=checkpoint(METHOD),
-            provenance=code("fit", f"methods.{SETTINGS.kind_of(METHOD)}"),
+            provenance=fit_code(METHOD),
         message:
             f"{{wildcards.scene}}: {METHOD} {{wildcards.seed}}: fit"
         script:
