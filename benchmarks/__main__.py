@@ -37,6 +37,7 @@ NAMES = (
     "compilation",
     "training",
     "rollouts",
+    "equations",
     "workflow",
 )
 RESULTS = Path("results")

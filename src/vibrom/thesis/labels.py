@@ -10,6 +10,7 @@ LABELS = {
     "split": "SPLIT",
     "split_plus": "SPLIT+",
     "pysindy_modal": "pysindy modal",
+    "equations": "Equations",
 }
 KNOWN = tuple(LABELS)[1:]  # methods with a look of their own
 
