@@ -118,7 +118,9 @@ def test_save_equals_load(rom, tmp_path):
     for name in ("decode", "drift", "displacement"):
         np.testing.assert_array_equal(getattr(again, name)(z), getattr(rom, name)(z))
     np.testing.assert_array_equal(again.beside(z, rom.load), rom.beside(z, rom.load))
-    assert again.beside(z, 2.0 * rom.load) is None
+    twice, other = 2.0 * rom.load, np.arange(1.0, 1.0 + len(rom.load))
+    np.testing.assert_allclose(again.beside(z, twice), 2.0 * rom.beside(z, rom.load))
+    assert again.beside(z, other) is None
 
 
 @pytest.mark.parametrize("settings", [{"beyond": "taylor"}, {"style": "graph"}, {"order": 5}])

@@ -27,6 +27,7 @@ from vibrom.models.rom import Rom, of_width, stored
 if TYPE_CHECKING:
     from vibrom.solvers.reduced.field import VectorField
 
+SAME = 1e-6  # relative difference up to which a load is a multiple of the known one
 ITERATIONS, CLOSE = 60, 1e-12  # relative to the reach
 
 
@@ -123,11 +124,15 @@ class ManifoldRom(Rom):
         self, z: np.ndarray, p: np.ndarray, dofs: np.ndarray | None = None
     ) -> np.ndarray | None:
         """See Rom."""
-        if self.load is None or not np.array_equal(self.load, p):
+        if self.load is None:
             return None
+        p = of_width(p, len(self.basis), "p")
+        times = (self.load @ p) / (self.load @ self.load)
+        if np.linalg.norm(p - times * self.load) > SAME * np.linalg.norm(p):
+            return None  # another load
         library = self._library(z)
         basis = self.basis if dofs is None else self.basis[dofs]
-        below = (library @ self.below_beside)[..., None]
+        below = (library @ self.below_beside)[..., None] / times
         return np.stack([(library @ terms.T / below) @ basis.T for terms in self.beside_terms])
 
     def field(self, p: np.ndarray | None) -> VectorField:
