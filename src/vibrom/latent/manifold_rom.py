@@ -128,7 +128,7 @@ class ManifoldRom(Rom):
             return None
         p = of_width(p, len(self.basis), "p")
         times = (self.load @ p) / (self.load @ self.load)
-        if np.linalg.norm(p - times * self.load) > SAME * np.linalg.norm(p):
+        if times == 0.0 or np.linalg.norm(p - times * self.load) > SAME * np.linalg.norm(p):
             return None  # another load
         library = self._library(z)
         basis = self.basis if dofs is None else self.basis[dofs]
