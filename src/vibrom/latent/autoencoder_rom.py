@@ -28,6 +28,7 @@ from vibrom.latent.extrapolation import library
 from vibrom.latent.force_rules import ForceRule, Push, projected, push
 from vibrom.latent.networks import Activation, Network, layers
 from vibrom.latent.polynomial import exponents
+from vibrom.models.rollout import LIMIT
 from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored, stored_operator
 from vibrom.models.training import Training, Unsupported
 
@@ -178,13 +179,19 @@ class AutoencoderRom(Rom):
         """See Rom."""
         from vibrom.latent.decoder_kernel import force_kernel
         from vibrom.latent.polynomial_kernel import polynomial_kernel
+        from vibrom.latent.table_kernel import tabulated
         from vibrom.solvers.reduced.field import VectorField
 
         drift = polynomial_kernel(*self._polynomial)
         if p is None:
             return VectorField(drift)
         encoder = self.encoder if self.force_rule == "encoder" else None
-        return VectorField(drift, force_kernel(self.decoder, encoder, self._push(p), self._edge))
+        force = force_kernel(self.decoder, encoder, self._push(p), self._edge)
+        if self.latent == 1:
+            # Beyond its edge a tangent is the same everywhere.
+            constant = self.force_rule != "encoder" and np.isfinite(self._edge[0])
+            force = tabulated(force, self.reach[0] * (1.0 if constant else LIMIT))
+        return VectorField(drift, force)
 
     def encoded(self, training: Training) -> np.ndarray:
         """Positions z, dz/dtau and d2z/dtau2 (3, samples, d) of all training data."""
