@@ -17,8 +17,6 @@ LONG_FUNCTIONS: dict[str, str] = {}
 # file:function -> why it takes more
 MANY_ARGUMENTS: dict[str, str] = {
     "solvers/full/newmark.py:Newmark.run": "a motion: four are needed, the others have defaults",
-    "solvers/periodic/carry.py:_carry": "compiled: arrays that it fills are arguments",
-    "solvers/periodic/flow_map.py:_flow": "compiled: arrays that it fills are arguments",
     "steps/ask.py:run": "the named inputs and parameters of a rule",
 }
 

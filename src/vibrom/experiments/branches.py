@@ -19,6 +19,7 @@ from vibrom.models.measures import periodic
 from vibrom.models.model import Model
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
+from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.response import Found, Span, response
 from vibrom.solvers.periodic.stability import Kind, leading_first
 
@@ -59,6 +60,7 @@ class Branches(Experiment):
         flow, scale = model.return_map(), model.frequency
         span = Span(self.lowest * scale, self.highest * scale, self.points, self.minor * scale)
         pace = Pace(0.1 * (span.highest - span.lowest), turn=self.turn, newton=flow.free)
+        prepare(flow, span.lowest)
         began = time.perf_counter()
         found = response(flow, float(self.forcing), span, pace)
         seconds = time.perf_counter() - began
@@ -136,7 +138,7 @@ def _motions(found: list[Found]) -> dict[str, xr.Variable]:
 
 def _stability(found: list[Found], parts: int) -> dict[str, xr.Variable]:
     """Floquet's multipliers, of a whole period."""
-    leading = [leading_first(item.orbit.multipliers)[0] for item in found]
+    leading = [leading_first(item.multipliers)[0] for item in found]
     largest = np.array(leading, dtype=complex) ** parts
     names = {"real": largest.real, "imaginary": largest.imag}
     return {

@@ -16,6 +16,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
+from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap, Swing
 
 DIRECTIONS = ("up", "down")
@@ -52,6 +53,7 @@ class Sweeps(Experiment):
         """Largest and smallest value of the last period at every probe, and where jumps are."""
         flow = model.return_map()
         frequency = np.linspace(self.lowest, self.highest, self.frequencies) * model.frequency
+        prepare(flow, frequency[0])
         began = time.perf_counter()
         runs = [self._swept(flow, frequency), self._swept(flow, frequency[::-1])]
         swings = [runs[0][1], runs[1][1][::-1]]
@@ -111,11 +113,12 @@ class Sweeps(Experiment):
     ) -> np.ndarray:
         """(2, 2) the frequencies before and after the jump of each direction; NaN without one."""
         found = np.full((2, 2), np.nan)
-        difference = np.abs(amplitude[0] - amplitude[1])
-        apart = difference > APART * np.nanmax(np.abs(amplitude))
+        known = np.isfinite(amplitude).all(axis=0)
+        difference = np.where(known, np.abs(amplitude[0] - amplitude[1]), 0.0)
+        apart = difference > APART * np.abs(amplitude[:, known]).max(initial=0.0)
         if not apart.any():
             return found
-        top = int(np.nanargmax(np.where(apart, difference, 0.0)))
+        top = int(np.argmax(difference))
         for row, step in ((0, 1), (1, -1)):
             last = top
             while 0 <= last + step < len(frequency) and apart[last + step]:
@@ -148,7 +151,7 @@ class Sweeps(Experiment):
         off = [_off(one, other) for one, other in zip(jumps, true_jumps)]
         return {
             "jumps": float(np.isfinite(jumps).sum()),
-            "jump_up_error_percent": off[1],
+            "jump_up_error_percent": off[1],  # of the amplitude, on the way down
             "jump_down_error_percent": off[0],
             "amplitude_error_median_percent": error.median_percent,
             "peak_error_percent": error.peak_percent,

@@ -9,13 +9,14 @@ where the other one jumps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from scipy.interpolate import Akima1DInterpolator
 
 from vibrom.solvers.periodic.stability import Kind
 
+NAMES = ("branch", "frequency", "amplitude", "stable", "kind")
 SAMPLES = 200  # of each part of a branch between two landmarks
 
 
@@ -31,7 +32,7 @@ class Curve:
 
     def part(self, chosen: np.ndarray | slice) -> Curve:
         """Some of the motions."""
-        return Curve(*(getattr(self, name)[chosen] for name in self.__dataclass_fields__))
+        return Curve(*(getattr(self, name)[chosen] for name in NAMES))
 
     @property
     def links(self) -> np.ndarray:
@@ -89,7 +90,12 @@ class Difference:
 
 
 def difference(curve: Curve, truth: Curve) -> Difference:
-    """How far `curve` is from `truth`; peak and width with their signs."""
+    """How far `curve` is from `truth`; peak and width with their signs. NaN where there is nothing
+    to compare with.
+    """
+    for item, value in ((truth, float("nan")), (curve, float("inf"))):
+        if not np.isfinite(item.amplitude).all():
+            return Difference(*(value for _ in fields(Difference)))
     folds, true_folds = curve.folds, truth.folds
     matched = len(folds) == len(true_folds) and _complete(curve) == _complete(truth)
 

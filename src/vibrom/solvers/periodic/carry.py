@@ -11,7 +11,9 @@ change dh of the step length and a change du of the signal follow the linearised
 
 which is exact: it is the derivative of the steps that were taken, numerical damping included. The
 matrix on the left is factorised once a step, WIDE steps side by side, and serves all columns;
-columns are carried WIDE at a time, on as many threads as OMP_NUM_THREADS allows.
+columns are carried WIDE at a time, on as many threads as OMP_NUM_THREADS allows. Bodies with a wide
+band, and forces whose tangent is not symmetric, are carried by `_carried_sparse`, one step after
+the other.
 """
 
 from __future__ import annotations
@@ -19,76 +21,87 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
+from scipy.sparse.linalg import splu
 
 from vibrom.kernels import banded
-from vibrom.kernels.lanes import fill, get, kernel, put, room
+from vibrom.kernels.compiled import Blocks, Places, Rows, machine_type
+from vibrom.kernels.lanes import get, kernel, part, put, room
+from vibrom.solvers.full.newmark import Newmark, half_bandwidth
+from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
 
 WIDE = 16  # columns, or steps, in flight: two registers hide each other's waiting
 
-_f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
-_i2 = types.int64[:, ::1]
-
 
 @dataclass(frozen=True)
-class Steps:
-    """The linearised steps of one motion."""
+class Path:
+    """The steps that were taken, as they were recorded."""
 
+    term: Term
+    newmark: Newmark
     step: float  # s
-    gamma: float
-    beta: float
-    factors: np.ndarray  # (steps, n, b + 1) L D L' of the matrix on the left, in band form
-    mass: tuple[np.ndarray, np.ndarray]  # values and columns (n, k), kg
-    damping: tuple[np.ndarray, np.ndarray]  # of C where it is no multiple of M; empty otherwise
-    rate: float  # 1/s, c of C = c M
-    drag: np.ndarray  # (steps, n, b + 1) band of df/dv, kg/s; empty where no force has one
-    by_step: np.ndarray  # (steps, 2, n) what multiplies dh in dq~ [m/s] and dv~ [m/s^2]
-    push: np.ndarray  # (steps, n) m kg, beta h^2 p du_k per unit of the signal's amplitude
+    signal: np.ndarray  # (steps + 1,) of unit amplitude
+    displacement: np.ndarray  # (steps + 1, n) m
+    velocity: np.ndarray  # (steps + 1, n) m/s
+    acceleration: np.ndarray  # (steps + 1, n) m/s^2
+
+    @property
+    def gamma(self) -> float:
+        """Newmark's."""
+        return 0.5 + self.newmark.alpha
+
+    @property
+    def beta(self) -> float:
+        """Newmark's."""
+        return 0.25 * (1.0 + self.newmark.alpha) ** 2
+
+    @property
+    def by_step(self) -> np.ndarray:
+        """(steps, 2, n) what multiplies dh in dq~ [m/s] and dv~ [m/s^2]."""
+        before, after = self.acceleration[:-1], self.acceleration[1:]
+        faster = (1.0 - self.gamma) * before + self.gamma * after
+        bend = (0.5 - self.beta) * before + self.beta * after
+        return np.stack([self.velocity[:-1] + 2.0 * self.step * bend, faster], axis=1)
+
+    @property
+    def push(self) -> np.ndarray:
+        """(steps, n) beta h^2 p du_k per unit of the signal's amplitude [m kg]."""
+        load = np.zeros(self.term.size) if self.term.load is None else self.term.load
+        return self.beta * self.step**2 * self.signal[1:, None] * load
 
 
-def linearised(
-    term: Term,
-    alpha: float,
-    step: float,
-    signal: np.ndarray,
-    displacement: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
-) -> Steps:
-    """The steps between recorded states (steps + 1, n); `signal` (steps + 1,) of unit amplitude."""
-    gamma, beta = 0.5 + alpha, 0.25 * (1.0 + alpha) ** 2
-    half = half_bandwidth(term)
-    factors, drag = _factors(term, half, gamma * step, beta * step**2, displacement, velocity)
-    before, after = acceleration[:-1], acceleration[1:]
-    faster = (1.0 - gamma) * before + gamma * after
-    ahead = velocity[:-1] + 2.0 * step * ((0.5 - beta) * before + beta * after)
-    load = np.zeros(term.size) if term.load is None else term.load
-    rate = mass_rate(term)
-    return Steps(
-        step=step,
-        gamma=gamma,
-        beta=beta,
-        factors=factors,
-        mass=tuple(banded.product(term.mass, WIDE)),
-        damping=tuple(banded.product(None if rate else term.damping, WIDE)),
-        rate=rate,
-        drag=drag,
-        by_step=np.ascontiguousarray(np.stack([ahead, faster], axis=1)),
-        push=beta * step**2 * signal[1:, None] * load,
-    )
+def carried(
+    path: Path, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
+) -> np.ndarray:
+    """Changes (2, n, c) of displacement and velocity at the end that follow from changes `start`
+    (3, n, c) of displacement, velocity and acceleration, dh (c,) [s] and du (c,).
+    """
+    half, term = half_bandwidth(path.term), path.term
+    if half > path.newmark.widest_band or not all(force.symmetric for force in term.forces):
+        return _carried_sparse(path, start, by_step, by_signal)
+    return _carried_banded(path, half, start, by_step, by_signal)
 
 
-def half_bandwidth(term: Term) -> int:
-    """Of all that is in the tangent."""
-    parts = (term.mass, term.damping, term.stiffness)
-    half = max(banded.half_bandwidth(part) for part in parts if part is not None)
-    for force in term.forces:
-        low = np.where(force.dofs < 0, term.size, force.dofs).min(axis=1)
-        half = max(half, int((force.dofs.max(axis=1) - low).max()))
-    return half
+def _carried_sparse(
+    path: Path, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
+) -> np.ndarray:
+    """By a general sparse factorisation of each step."""
+    h, by_v, by_q = path.step, path.gamma * path.step, path.beta * path.step**2
+    whole, drag = Tangent(path.term, 1.0, by_v, by_q), Tangent(path.term, 0.0, 1.0, 0.0)
+    q, v, a = start
+    for k, (faster, push) in enumerate(zip(path.by_step, path.push)):
+        at = path.displacement[k + 1][:, None], path.velocity[k + 1][:, None]
+        q = q + h * v + h**2 * (0.5 - path.beta) * a + np.outer(faster[0], by_step)
+        v = v + h * (1.0 - path.gamma) * a + np.outer(faster[1], by_step)
+        right = path.term.mass @ q + drag.at(*at) @ (by_v * q - by_q * v)
+        end = splu(whole.at(*at)).solve(right + np.outer(push, by_signal))
+        a = (end - q) / by_q
+        q, v = end, v + by_v * a
+    return np.stack([q, v])
 
 
 def mass_rate(term: Term) -> float:
@@ -133,40 +146,36 @@ def _factors(
     return factors, drag if drag.any() else np.zeros((0, 0, 0))
 
 
-def carried(
-    steps: Steps, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
+def _carried_banded(
+    path: Path, half: int, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
 ) -> np.ndarray:
-    """Changes (2, n, c) of displacement and velocity at the end that follow from changes `start`
-    (3, n, c) of displacement, velocity and acceleration, dh (c,) [s] and du (c,).
-    """
+    """By the compiled kernels, all columns side by side."""
+    term, h = path.term, path.step
+    factors, drag = _factors(
+        term, half, path.gamma * h, path.beta * h**2, path.displacement, path.velocity
+    )
+    rate = mass_rate(term)
+    mass = banded.product(term.mass, WIDE)
+    damping = banded.product(None if rate else term.damping, WIDE)
+    method = Method(h, path.gamma, path.beta, rate)
+    sources = np.ascontiguousarray(path.by_step), path.push
+    tables = Tables(factors, *mass, *damping, drag, *sources)
+
     count, n = start.shape[2], start.shape[1]
     groups = -(-count // WIDE)
-    filled = np.zeros((groups * WIDE, 5, n))
-    filled[:count, :3] = start.transpose(2, 0, 1)
-    lanes = np.ascontiguousarray(filled[:, :3].reshape(groups, WIDE, 3, n).transpose(0, 2, 3, 1))
-    given = np.zeros((2, groups * WIDE))
-    given[:, :count] = by_step, by_signal
-    given = np.ascontiguousarray(given.reshape(2, groups, WIDE).transpose(1, 0, 2))
-    h = steps.step
-    numbers = np.array([h, steps.gamma, steps.beta, steps.rate])
+    filled = np.zeros((groups * WIDE, 3, n))
+    filled[:count] = start.transpose(2, 0, 1)
+    lanes = np.ascontiguousarray(filled.reshape(groups, WIDE, 3, n).transpose(0, 2, 3, 1))
+    given = np.zeros((groups * WIDE, 2))
+    given[:count, 0], given[:count, 1] = by_step, by_signal
+    given = np.ascontiguousarray(given.reshape(groups, WIDE, 2).transpose(0, 2, 1))
 
     def one(group: int) -> None:
-        _carry(
-            lanes[group],
-            numbers,
-            steps.factors,
-            *steps.mass,
-            *steps.damping,
-            steps.drag,
-            steps.by_step,
-            steps.push,
-            given[group],
-        )
+        _carry(lanes[group], given[group], tables, method)
 
     with ThreadPoolExecutor(threads()) as pool:
         list(pool.map(one, range(groups)))
-    ends = lanes[:, :2].transpose(1, 2, 0, 3).reshape(2, n, groups * WIDE)
-    return ends[:, :, :count]
+    return lanes[:, :2].transpose(1, 2, 0, 3).reshape(2, n, groups * WIDE)[:, :, :count]
 
 
 def threads() -> int:
@@ -174,58 +183,96 @@ def threads() -> int:
     return int(os.environ.get("OMP_NUM_THREADS", 0)) or os.cpu_count() or 1
 
 
-@kernel(
-    types.void(_f3, _f1, _f3, _f2, _i2, _f2, _i2, _f3, _f3, _f2, _f2), fastmath=False, nogil=True
-)
-def _carry(state, numbers, factors, mass, columns, damping, others, drag, by_step, push, given):
-    """`state` (3, n, WIDE) from the first step to the last; `given` (2, WIDE): dh and du."""
-    h, gamma, beta, rate = numbers[0], numbers[1], numbers[2], numbers[3]
-    steps, n, depth = factors.shape
-    entries = mass.shape[1]
+class Method(NamedTuple):
+    """Newmark's numbers, and the damping that is a multiple of the mass."""
+
+    h: float  # s
+    gamma: float
+    beta: float
+    rate: float  # 1/s, c of C = c M; zero for another C
+
+
+class Tables(NamedTuple):
+    """The linearised steps in compiled form."""
+
+    factors: Blocks  # (steps, n, b + 1) L D L' of the matrices on the left
+    mass: Rows  # (n, k) kg, row by row
+    columns: Places  # (n, k) where they stand
+    damping: Rows  # (n, l) kg/s, of C where it is no multiple of M; empty otherwise
+    others: Places  # (n, l) where they stand
+    drag: Blocks  # (steps, n, b + 1) kg/s, bands of df/dv; empty where no force has one
+    by_step: Blocks  # (steps, 2, n) see Path
+    push: Rows  # (steps, n) see Path
+
+
+@part
+def _ahead(state, x, dragged, given, tables, method, step):
+    """dq~ and dv~, and what multiplies M and C on the right side."""
     q, v, a = state[0], state[1], state[2]
+    h, gamma, beta = method.h, method.gamma, method.beta
+    dh = get(given, 0, WIDE)
+    for i in range(q.shape[0]):
+        here, old = get(v, i, WIDE), get(a, i, WIDE)
+        ahead = get(q, i, WIDE) + h * (here + h * (0.5 - beta) * old)
+        faster = here + h * (1.0 - gamma) * old
+        ahead += dh * tables.by_step[step, 0, i]
+        faster += dh * tables.by_step[step, 1, i]
+        lag = gamma * h * ahead - beta * h * h * faster
+        put(q, i, ahead)
+        put(v, i, faster)
+        put(x, i, ahead + method.rate * lag)
+        put(dragged, i, lag)
+
+
+@part
+def _substituted(x, dragged, y, given, tables, step):
+    """The right side, and forward substitution row by row."""
+    n, depth = x.shape[0], tables.factors.shape[2]
+    factor = tables.factors[step].reshape(n * depth)
+    du = get(given, 1, WIDE)
+    for i in range(n):
+        total = du * tables.push[step, i]
+        for k in range(tables.mass.shape[1]):
+            total += tables.mass[i, k] * get(x, tables.columns[i, k], WIDE)
+        for k in range(tables.damping.shape[1]):
+            total += tables.damping[i, k] * get(dragged, tables.others[i, k], WIDE)
+        if tables.drag.size > 0:
+            for d in range(min(depth, n - i)):
+                total += tables.drag[step, i, d] * get(dragged, i + d, WIDE)
+            for d in range(1, min(depth, i + 1)):
+                total += tables.drag[step, i - d, d] * get(dragged, i - d, WIDE)
+        for d in range(min(depth - 1, i), 0, -1):
+            total -= factor[(i - d) * depth + d] * get(y, i - d, WIDE)
+        put(y, i, total)
+
+
+@part
+def _finished(state, y, tables, method, step):
+    """Back substitution, and the state at the end of the step."""
+    q, v, a = state[0], state[1], state[2]
+    n, depth = q.shape[0], tables.factors.shape[2]
+    factor = tables.factors[step].reshape(n * depth)
+    by_v, inverse = method.gamma * method.h, 1.0 / (method.beta * method.h * method.h)
+    for i in range(n - 1, -1, -1):
+        end = get(y, i, WIDE) * factor[i * depth]
+        for d in range(min(depth, n - i) - 1, 0, -1):
+            end -= factor[i * depth + d] * get(y, i + d, WIDE)
+        put(y, i, end)
+        change = inverse * (end - get(q, i, WIDE))
+        put(q, i, end)
+        put(v, i, get(v, i, WIDE) + by_v * change)
+        put(a, i, change)
+
+
+_SIGNATURE = types.void(*map(machine_type, (Blocks, Rows, Tables, Method)))
+
+
+@kernel(_SIGNATURE, fastmath=False, nogil=True)
+def _carry(state, given, tables, method):
+    """Carries `state` (3, n, WIDE) over all steps; `given` (2, WIDE) holds dh and du."""
+    n = state.shape[1]
     x, y, dragged = room(n, WIDE), room(n, WIDE), room(n, WIDE)
-    by_q, by_v, inverse = beta * h * h, gamma * h, 1.0 / (beta * h * h)
-    dh, du = get(given, 0, WIDE), get(given, 1, WIDE)
-    changed = np.any(given != 0.0)
-    damped = damping.size > 0 or drag.size > 0
-    for step in range(steps):
-        for i in range(n):
-            here, old = get(v, i, WIDE), get(a, i, WIDE)
-            ahead = get(q, i, WIDE) + h * (here + h * (0.5 - beta) * old)
-            faster = here + h * (1.0 - gamma) * old
-            if changed:
-                ahead += dh * by_step[step, 0, i]
-                faster += dh * by_step[step, 1, i]
-            lag = by_v * ahead - by_q * faster
-            put(q, i, ahead)
-            put(v, i, faster)
-            put(x, i, ahead + rate * lag)
-            if damped:
-                put(dragged, i, lag)
-        factor = factors[step].reshape(n * depth)
-        for i in range(n):
-            total = fill(0.0, WIDE)
-            for k in range(entries):
-                total += mass[i, k] * get(x, columns[i, k], WIDE)
-            if changed:
-                total += du * push[step, i]
-            if damped:
-                for k in range(damping.shape[1]):
-                    total += damping[i, k] * get(dragged, others[i, k], WIDE)
-                if drag.size > 0:
-                    for d in range(min(depth, n - i)):
-                        total += drag[step, i, d] * get(dragged, i + d, WIDE)
-                    for d in range(1, min(depth, i + 1)):
-                        total += drag[step, i - d, d] * get(dragged, i - d, WIDE)
-            for d in range(min(depth - 1, i), 0, -1):
-                total -= factor[(i - d) * depth + d] * get(y, i - d, WIDE)
-            put(y, i, total)
-        for i in range(n - 1, -1, -1):
-            end = get(y, i, WIDE) * factor[i * depth]
-            for d in range(min(depth, n - i) - 1, 0, -1):
-                end -= factor[i * depth + d] * get(y, i + d, WIDE)
-            put(y, i, end)
-            change = inverse * (end - get(q, i, WIDE))
-            put(q, i, end)
-            put(v, i, get(v, i, WIDE) + by_v * change)
-            put(a, i, change)
+    for step in range(tables.factors.shape[0]):
+        _ahead(state, x, dragged, given, tables, method, step)
+        _substituted(x, dragged, y, given, tables, step)
+        _finished(state, y, tables, method, step)

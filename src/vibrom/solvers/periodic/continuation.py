@@ -5,8 +5,8 @@
 t is the tangent at the last point, t' its change over the last step, n = t; X is the size of x at
 the last point and P a scale of p, so that a step is a relative change. Corrections keep the matrix
 of the last point and improve it by Broyden's rank-one updates; it is made again where they stall.
-At each point the matrix is that of the point itself, for its eigenvalues decide on stability. Steps
-are as long as the tangent turns little enough and the corrections are few enough.
+At each solution the matrix is its own, but for 1e-4 of its size: eigenvalues decide on stability.
+Steps are as long as the tangent turns little enough and the corrections are few enough.
 
 Source: Keller, Lectures on Numerical Methods in Bifurcation Problems (1987), chapter 4; Kelley,
 Solving Nonlinear Equations with Newton's Method (2003), section 4.3 (Broyden's method).
@@ -52,9 +52,8 @@ class Pace:
     largest: float = 0.5
     smallest: float = 1e-5
     turn: float = 0.25  # rad, that the tangent may turn in a step
-    # Of the last correction, which is still made: what is left is its square. The derivative is
-    # that of a point so near.
-    tolerance: float = 1e-6
+    tolerance: float = 1e-6  # of the last correction, which is still made: its square is left
+    near: float = 1e-4  # of the derivative's own point to the solution
     iterations: int = 16
     few: int = 9  # evaluations up to which a step may grow
     newton: bool = False  # is the derivative as cheap as the value?
@@ -119,8 +118,9 @@ class _Corrector:
         return change
 
     def solve(self, guess: np.ndarray) -> tuple[np.ndarray, Value, int]:
-        """(u, the value with its derivative there, evaluations) near `guess`, in relative units."""
+        """(u, the value with its derivative near there, evaluations), in relative units."""
         u, before, exact = guess.copy(), np.inf, self.pace.newton or self.factor is None
+        kept: Value | None = None
         for count in range(1, self.pace.iterations + 1):
             value = self.problem(u[:-1] * self.scale[0], float(u[-1] * self.scale[-1]), exact)
             if not value.ok:
@@ -132,12 +132,14 @@ class _Corrector:
             if not np.isfinite(size) or size > 2.0 * before or size > 1.0:
                 raise Lost("corrections grow")
             u = u + change
-            if exact and size <= self.pace.tolerance and not value.rough:
-                return u, value, count
-            # The next evaluation is the last one if it will find little to correct.
+            if exact and size <= self.pace.near and not value.rough:
+                kept = value
+            if kept is not None and size <= self.pace.tolerance and not value.rough:
+                return u, kept, count
+            # A derivative is due where its own correction will be small, or others do no good.
             rate = size / before if np.isfinite(before) else 0.1
-            exact = self.pace.newton or rate > 0.5 or size * rate <= self.pace.tolerance
-            before = size
+            due = rate > 0.5 or (kept is None and size * rate <= 0.3 * self.pace.near)
+            exact, before = self.pace.newton or due, np.inf if value.rough else size
         raise Lost("corrections are too many")
 
     def tangent(self, value: Value) -> np.ndarray:

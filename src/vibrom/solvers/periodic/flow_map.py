@@ -12,38 +12,37 @@ embedded estimate of order 5 asks for it.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
-from numba.core.errors import NumbaExperimentalFeatureWarning
 from scipy.integrate import DOP853
 
-from vibrom.kernels.lanes import WIDTH, fill, get, kernel, put, room
+from vibrom.kernels.compiled import Blocks, Numbers, Rows, Vector, machine_type, passing_kernels
+from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
 from vibrom.solvers.periodic.maps import Return, Swing
-from vibrom.solvers.reduced.field import KERNEL, VectorField
+from vibrom.solvers.reduced.field import MAP, VectorField
 
 NUDGE = 1e-5  # of the range, of the frequency and of the amplitude
-TOLERANCE = 1e-9  # of the range, error of a step
+TOLERANCE = 1e-7  # of the range, estimated error of a step; what is lost in a period is less
 SMALL = 1e-4  # of it: half as many steps would do
-FEWEST, MOST = 16, 4096  # steps to a period
+LOOSE = 1e-3  # with all the steps there are: a worse motion is lost
+FEWEST, MOST = 16, 256  # steps to a period
 KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that are shown
 STAGES = DOP853.n_stages
 _A, _B, _C = (np.ascontiguousarray(part[..., :STAGES]) for part in (DOP853.A, DOP853.B, DOP853.C))
 _E3, _E5 = (np.ascontiguousarray(part[:STAGES]) for part in (DOP853.E3, DOP853.E5))
 _LIMIT = 100.0  # of the range: beyond it a motion is lost
 
-_f1, _f2, _f3 = types.float64[::1], types.float64[:, ::1], types.float64[:, :, ::1]
-_MAP = (types.FunctionType(KERNEL), _f1, types.int64[::1])
-
 
 @dataclass
 class _Steps:
     """How many a period takes; the one thing that a map remembers."""
 
-    number: int = 2 * FEWEST
+    number: int = FEWEST
 
 
 @dataclass(frozen=True)
@@ -79,26 +78,27 @@ class FlowMap:
         self, x: np.ndarray, frequency: float, amplitude: float, derivative: bool = True
     ) -> Return:
         """Where x (r,) is after a period."""
+        point = np.array([*x, frequency, amplitude], dtype=float)
+        if not derivative:
+            end = self._periods(point[None])[0][0]
+            return Return(end, ok=bool(np.isfinite(end).all()))
         r = len(x)
-        columns = 1 + (2 * (r + 2) if derivative else 0)
-        start = np.tile(x, (columns, 1))
-        drive = np.tile([float(frequency), float(amplitude)], (columns, 1))
-        nudges = np.append(np.full(r, NUDGE), NUDGE * np.array([frequency, amplitude]))
-        for axis in range(r + 2 if derivative else 0):
-            target, place = (start, axis) if axis < r else (drive, axis - r)
-            target[1 + 2 * axis, place] += nudges[axis]
-            target[2 + 2 * axis, place] -= nudges[axis]
-        end = self._periods(start, *drive.T)[0]
+        nudges = NUDGE * np.array([*np.ones(r), frequency, amplitude or 1.0])
+        end = self._periods(point + self._neighbours * nudges)[0]
         if not np.isfinite(end).all():
             return Return(end[0], ok=False)
-        if not derivative:
-            return Return(end[0], ok=True)
-        slopes = ((end[1::2] - end[2::2]) / (2.0 * nudges[:, None])).T
+        slopes = ((end[1 : r + 3] - end[r + 3 :]) / (2.0 * nudges[:, None])).T
         return Return(end[0], True, False, slopes[:, :r], slopes[:, r], slopes[:, r + 1])
+
+    @cached_property
+    def _neighbours(self) -> np.ndarray:
+        """(2 r + 5, r + 2) the point itself, then those ahead of it, then those behind."""
+        axes = np.eye(self.size + 2)
+        return np.concatenate([0.0 * axes[:1], axes, -axes])
 
     def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
         """The motions over a period from x (b, r), interpolated by their harmonics."""
-        _, path = self._periods(x, frequency, amplitude, KEPT)
+        _, path = self._periods(np.column_stack([x, frequency, amplitude]), KEPT)
         ratio = np.abs(path).max(axis=(1, 2))
         shown = self.displacement((path * self.reach).reshape(-1, self.size))
         shown = shown.reshape(len(x), KEPT, -1).transpose(0, 2, 1)
@@ -109,23 +109,22 @@ class FlowMap:
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
         """Where x (r,) is after so many periods; NaN where the motion does not last."""
-        drive, x = (np.array([float(frequency)]), np.array([float(amplitude)])), x[None]
         for _ in range(periods):
             if np.isfinite(x).all():
-                x = self._periods(x, *drive)[0]
-        return x[0]
+                x = self(x, frequency, amplitude, derivative=False).end
+        return x
 
-    def _periods(
-        self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray, kept: int = 1
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """(ends (b, r), samples (b, kept, r) from the start on), in units of the range."""
+    def _periods(self, points: np.ndarray, kept: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """(ends (b, r), samples (b, kept, r) from the start on), in units of the range, of points
+        (b, r + 2): x, frequency and amplitude.
+        """
         number = max(self.steps.number, kept)
         run = _numpy_run if self.field is None else _compiled_run
-        end, path, error = run(self, x, frequency, amplitude, number, kept)
+        end, path, error = run(self, points, number, kept)
         while not error < TOLERANCE and number < MOST:
             number *= 2
-            end, path, error = run(self, x, frequency, amplitude, number, kept)
-        if not np.isfinite(error):
+            end, path, error = run(self, points, number, kept)
+        if not error < LOOSE:
             return np.full_like(end, np.nan), path
         if kept == 1:
             self.steps.number = max(number // 2 if error < SMALL * TOLERANCE else number, FEWEST)
@@ -133,50 +132,35 @@ class FlowMap:
 
 
 def _compiled_run(
-    flow: FlowMap,
-    x: np.ndarray,
-    frequency: np.ndarray,
-    amplitude: np.ndarray,
-    number: int,
-    kept: int,
+    flow: FlowMap, points: np.ndarray, number: int, kept: int
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """(ends, samples, largest error of a step)."""
-    runs, r = x.shape
+    runs, r = len(points), flow.size
     groups = -(-runs // WIDTH)
-    chosen = np.minimum(np.arange(groups * WIDTH), runs - 1).reshape(groups, WIDTH)
+    filled = points[np.minimum(np.arange(groups * WIDTH), runs - 1)]
+    filled[:, :r] *= flow.reach
+    lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
+    path, worst = np.empty((groups, kept, r, WIDTH)), 0.0
     drift, force = flow.field.drift, flow.field.force
-    work = np.zeros(WIDTH * max(drift.rows, force.rows))
-    z, path, worst = np.empty((groups, r, WIDTH)), np.empty((groups, kept, r, WIDTH)), 0.0
-    for group, lanes in enumerate(chosen):
-        z[group] = (x[lanes] * flow.reach).T
-        error = _flow(
-            *(drift.function, drift.numbers, drift.index),
-            *(force.function, force.numbers, force.index),
-            work,
-            np.stack([frequency[lanes], amplitude[lanes]]),
-            flow.reach,
-            number,
-            z[group],
-            path[group],
-        )
+    work = np.empty(WIDTH * max(drift.rows, force.rows))
+    tables = Tables(drift.numbers, drift.index, force.numbers, force.index, work)
+    maps = drift.function, force.function, tables
+    for run, samples in zip(lanes, path):
+        error = _flow(*maps, run[r:], flow.reach, number, run[:r], samples)
         worst = max(worst, error)
     # (groups, ..., r, WIDTH) -> (runs, ..., r)
-    ends = z.transpose(0, 2, 1).reshape(-1, r)[:runs] / flow.reach
-    samples = path.transpose(0, 3, 1, 2).reshape(-1, kept, r)[:runs] / flow.reach
-    return ends, samples, worst
+    ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / flow.reach
+    return ends, path.transpose(0, 3, 1, 2).reshape(-1, kept, r)[:runs] / flow.reach, worst
 
 
 def _numpy_run(
-    flow: FlowMap,
-    x: np.ndarray,
-    frequency: np.ndarray,
-    amplitude: np.ndarray,
-    number: int,
-    kept: int,
+    flow: FlowMap, points: np.ndarray, number: int, kept: int
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """The same from numpy functions."""
-    z, h = x * flow.reach, (2.0 * np.pi / frequency / number)[:, None]
-    path, worst = np.empty((len(x), kept, x.shape[1])), 0.0
+    r = flow.size
+    frequency, amplitude = points[:, r], points[:, r + 1]
+    z, h = points[:, :r] * flow.reach, (2.0 * np.pi / frequency / number)[:, None]
+    path, worst = np.empty((len(z), kept, r)), 0.0
     slopes = np.empty((STAGES, *z.shape))
     with np.errstate(all="ignore"):  # a model that blows up is a result, not a warning
         for step in range(number):
@@ -195,73 +179,74 @@ def _numpy_run(
     return z / flow.reach, path, worst
 
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+class Tables(NamedTuple):
+    """What the two compiled maps take beside the state."""
 
-    @kernel(
-        types.float64(*_MAP, *_MAP, _f1, _f2, _f1, types.int64, _f2, _f3),
-        fastmath={"contract"},
-    )
-    def _flow(
-        drift,
-        drift_numbers,
-        drift_index,
-        force,
-        force_numbers,
-        force_index,
-        work,
-        drive,
-        reach,
-        number,
-        z,
-        path,
-    ):
-        """Carries z (r, WIDTH) over a period and fills `path` (kept, r, WIDTH); `drive` (2, WIDTH)
-        holds frequencies and amplitudes. The largest error of a step, of the range.
-        """
-        r, kept = len(z), len(path)
-        h, signal = room(1, WIDTH), room(1, WIDTH)
-        y, push = room(r, WIDTH), room(r, WIDTH)
-        slopes = room(STAGES * r, WIDTH)
-        worst = 0.0
+    drift_numbers: Vector
+    drift_index: Numbers
+    force_numbers: Vector
+    force_index: Numbers
+    work: Vector  # scratch of the larger one
+
+
+@part
+def _weighted(slopes, weights, i, r, count):
+    """sum_s weights_s k_s of coordinate i over the first stages."""
+    total = fill(0.0, WIDTH)
+    for s in range(count):
+        if weights[s] != 0.0:
+            total += get(slopes, s * r + i, WIDTH) * weights[s]
+    return total
+
+
+@part
+def _worst(five, three, reach, worst):
+    """The largest of `worst` and the estimated errors, of the range; NaN is larger than all."""
+    for i in range(len(reach)):
         for w in range(WIDTH):
-            h[0, w] = 2.0 * np.pi / drive[0, w] / number
-        length = get(h, 0, WIDTH)
-        for step in range(number):
-            if step % (number // kept) == 0:
-                path[step // (number // kept)] = z
-            for s in range(STAGES):
-                for i in range(r):
-                    total = fill(0.0, WIDTH)
-                    for j in range(s):
-                        if _A[s, j] != 0.0:
-                            total += get(slopes, j * r + i, WIDTH) * _A[s, j]
-                    put(y, i, get(z, i, WIDTH) + length * total)
-                out = slopes[s * r : (s + 1) * r]
-                drift(y, drift_numbers, drift_index, work, out)
-                force(y, force_numbers, force_index, work, push)
-                wave = np.sin(2.0 * np.pi * (step + _C[s]) / number)
-                for w in range(WIDTH):
-                    signal[0, w] = drive[1, w] * wave
-                now = get(signal, 0, WIDTH)
-                for i in range(r):
-                    put(out, i, get(out, i, WIDTH) + now * get(push, i, WIDTH))
+            one, other = (five[i, w] / reach[i]) ** 2, (three[i, w] / reach[i]) ** 2
+            error = one / np.sqrt(one + 0.01 * other) if one > 0.0 else one
+            if not error <= worst:
+                worst = error
+    return worst
+
+
+def _loop(drift, force, tables, drive, reach, number, z, path):
+    """Carries z (r, WIDTH) over a period and fills `path` (kept, r, WIDTH); `drive` (2, WIDTH)
+    holds frequencies and amplitudes. The largest error of a step, of the range.
+    """
+    r, kept, worst = len(z), len(path), 0.0
+    h, signal, slopes = room(1, WIDTH), room(1, WIDTH), room(STAGES * r, WIDTH)
+    y, push = room(r, WIDTH), room(r, WIDTH)
+    for w in range(WIDTH):
+        h[0, w] = 2.0 * np.pi / drive[0, w] / number
+    length = get(h, 0, WIDTH)
+    for step in range(number):
+        if step % (number // kept) == 0:
+            path[step // (number // kept)] = z
+        for s in range(STAGES):
             for i in range(r):
-                total = fill(0.0, WIDTH)
-                five, three = fill(0.0, WIDTH), fill(0.0, WIDTH)
-                for s in range(STAGES):
-                    slope = get(slopes, s * r + i, WIDTH)
-                    total += slope * _B[s]
-                    five += slope * _E5[s]
-                    three += slope * _E3[s]
-                put(z, i, get(z, i, WIDTH) + length * total)
-                put(y, i, length * five)
-                put(push, i, length * three)
-                for w in range(WIDTH):
-                    one, other = (y[i, w] / reach[i]) ** 2, (push[i, w] / reach[i]) ** 2
-                    error = one / np.sqrt(one + 0.01 * other) if one > 0.0 else one
-                    if not error <= worst:  # NaN too
-                        worst = error
-                    if not abs(z[i, w]) < _LIMIT * reach[i]:
-                        return np.inf
-        return worst
+                put(y, i, get(z, i, WIDTH) + length * _weighted(slopes, _A[s], i, r, s))
+            out = slopes[s * r : (s + 1) * r]
+            drift(y, tables.drift_numbers, tables.drift_index, tables.work, out)
+            force(y, tables.force_numbers, tables.force_index, tables.work, push)
+            wave = np.sin(2.0 * np.pi * (step + _C[s]) / number)
+            for w in range(WIDTH):
+                signal[0, w] = drive[1, w] * wave
+            for i in range(r):
+                put(out, i, get(out, i, WIDTH) + get(signal, 0, WIDTH) * get(push, i, WIDTH))
+        for i in range(r):
+            put(z, i, get(z, i, WIDTH) + length * _weighted(slopes, _B, i, r, STAGES))
+            put(y, i, length * _weighted(slopes, _E5, i, r, STAGES))
+            put(push, i, length * _weighted(slopes, _E3, i, r, STAGES))
+        worst = _worst(y, push, reach, worst)
+        for i in range(r):
+            for w in range(WIDTH):
+                if not abs(z[i, w]) < _LIMIT * reach[i]:
+                    return np.inf
+    return worst
+
+
+with passing_kernels():
+    _records = (machine_type(item) for item in (Tables, Rows, Vector, int, Rows, Blocks))
+    _flow = kernel(types.float64(MAP, MAP, *_records), fastmath={"contract"})(_loop)

@@ -27,7 +27,9 @@ class Return:
 
     @cached_property
     def multipliers(self) -> np.ndarray:
-        """Eigenvalues (m,) of dH/dx."""
+        """Eigenvalues (m,) of dH/dx; NaN where there is none."""
+        if self.by_start is None or not np.isfinite(self.by_start).all():
+            return np.full(len(self.end), np.nan)
         return np.linalg.eigvals(self.by_start)
 
 

@@ -22,7 +22,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from vibrom.solvers.full.newmark import Motion, Newmark, Record
 from vibrom.solvers.full.tangent import Tangent
-from vibrom.solvers.periodic.carry import Steps, carried, linearised
+from vibrom.solvers.periodic.carry import Path, carried
 from vibrom.solvers.periodic.coordinates import Coordinates, NoState
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.periodic.symmetry import Symmetry
@@ -106,7 +106,7 @@ class NewmarkMap:
         if not derivative:
             return found
         step = 2.0 * np.pi / frequency / self.steps_per_period
-        taken = linearised(self.term, self.newmark.alpha, step, self._signal, q, v, a)
+        taken = Path(self.term, self.newmark, step, self._signal, q, v, a)
         start = self._axes(q[0], v[0], found.rough)
         return replace(found, **self._slopes(taken, frequency, start, end))
 
@@ -182,7 +182,7 @@ class NewmarkMap:
         return start
 
     def _slopes(
-        self, taken: Steps, frequency: float, start: np.ndarray, end: np.ndarray
+        self, taken: Path, frequency: float, start: np.ndarray, end: np.ndarray
     ) -> dict[str, np.ndarray]:
         """dH/dx, dH/dOmega and dH/damplitude."""
         by_step, by_signal = np.zeros((2, start.shape[2]))

@@ -1,26 +1,26 @@
 """Branches of periodic motions: a response curve, stable or not, with what happens on it.
 
-    x = H(x, Omega, a)   along Omega at one amplitude a of the forcing, or along a at one Omega
+    x = H(x, Omega, a)   along Omega at one amplitude a of the forcing
 
-The first motion of a curve is found from rest, by continuation in the amplitude: at the ends of a
-resonance curve one motion is all there is, or else its other motions hang together with it.
+A curve begins with the motion that hangs together with rest (see `equations`), at both ends of its
+range: there one motion is all there is, or else the others hang together with it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.solvers.periodic import continuation, stability
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
+from vibrom.solvers.periodic.equations import from_rest, in_frequency
 from vibrom.solvers.periodic.maps import Return, ReturnMap, Swing
 from vibrom.solvers.periodic.stability import Kind
 
-SMALL = (
-    0.01  # of the forcing: where the continuation in it begins, linear to a part in ten thousand
-)
 FOLD = 1e-7  # of the scale of p: how well folds are located
 CIRCLE = 1e-3  # |ln |mu||: how well other losses of stability are
 PEAK = 3  # points that are added about a peak
@@ -63,50 +63,19 @@ class Found:
     branch: int
     orbit: Orbit
     swing: Swing
+    multipliers: np.ndarray  # (m,) of the map
 
 
-def in_frequency(flow: ReturnMap, amplitude: float) -> Problem:
-    """H(x, p, amplitude) - x."""
-
-    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
-        found = flow(x, p, amplitude, derivative)
-        return _value(found, x, found.by_frequency)
-
-    return problem
-
-
-def in_amplitude(flow: ReturnMap, frequency: float) -> Problem:
-    """H(x, frequency, p) - x."""
-
-    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
-        found = flow(x, frequency, p, derivative)
-        return _value(found, x, found.by_amplitude)
-
-    return problem
-
-
-def _value(found, x: np.ndarray, by_p: np.ndarray | None) -> Value:
-    by_x = None if found.by_start is None else found.by_start - np.eye(len(x))
-    return Value(found.end - x, by_x, by_p, found.ok, found.rough, found)
-
-
-def from_rest(flow: ReturnMap, frequency: float, amplitude: float) -> np.ndarray:
-    """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
-    pace = Pace(scale=0.5 * amplitude, first=0.1, largest=1.0, newton=flow.free)
-    problem = in_amplitude(flow, frequency)
-    before = continuation.at(problem, np.zeros(flow.size), SMALL * amplitude, pace)
-    for count, ahead in enumerate(continuation.walk(problem, before, pace)):
-        if ahead.p >= amplitude:
-            return continuation.onto(problem, before, ahead, amplitude, pace).x
-        if count > 200:
-            break
-        before = ahead
-    raise Lost("the amplitude of the forcing was not reached")
-
-
-def branch(problem: Problem, start: Point, span: Span, pace: Pace, parts: int) -> list[Orbit]:
-    """The orbits from `start` on, along its tangent, to the end of the span; `parts` maps make a
-    period.
+def branch(
+    problem: Problem,
+    start: Point,
+    span: Span,
+    pace: Pace,
+    parts: int,
+    known: Sequence[Orbit] = (),
+) -> list[Orbit]:
+    """The orbits from `start` on, along its tangent, to the end of the span or to a branch that is
+    `known`; `parts` maps make a period.
     """
     orbits = [Orbit(start)]
     ending = Outcome.UNFINISHED
@@ -126,8 +95,25 @@ def branch(problem: Problem, start: Point, span: Span, pace: Pace, parts: int) -
             orbits.append(Orbit(last))
             break
         orbits.append(Orbit(ahead))
+        if _meets(ahead, known):
+            ending = Outcome.OK
+            break
     orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
     return minor_folds(orbits, span.minor)
+
+
+def _meets(point: Point, known: Sequence[Orbit]) -> bool:
+    """Is this point between two that are known? Branches are apart by more than a chord sags."""
+    for one, other in zip(known, known[1:]):
+        low, high = one.point, other.point
+        if one.kind == Kind.END or (point.p - low.p) * (high.p - point.p) < 0.0:
+            continue
+        chord = high.x - low.x
+        share = (point.p - low.p) / ((high.p - low.p) or 1.0)
+        apart = np.linalg.norm(point.x - low.x - share * chord)
+        if apart <= 0.1 * np.linalg.norm(chord):
+            return True
+    return False
 
 
 def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int) -> list[Orbit]:
@@ -185,37 +171,44 @@ def response(flow: ReturnMap, amplitude: float, span: Span, pace: Pace) -> list[
     """All branches that hang together with the motions from rest at both ends of the span. Where
     there is none, one row says so.
     """
+    # Matrices of some hundred rows gain nothing from a second thread of BLAS, whose threads wait
+    # for one another in a busy loop: eigenvalues take five times as long.
+    with threadpool_limits(limits=1, user_api="blas"):
+        found = _hanging_together(flow, amplitude, span, pace)
+    return found or _nothing(flow, amplitude, span.lowest)
+
+
+def _hanging_together(flow: ReturnMap, amplitude: float, span: Span, pace: Pace) -> list[Found]:
     problem = in_frequency(flow, amplitude)
     found: list[Found] = []
     for p, toward in ((span.lowest, 1.0), (span.highest, -1.0)):
-        room = span.points - len(found)
         try:
             start = continuation.at(problem, from_rest(flow, p, amplitude), p, pace, toward)
         except Lost:
             continue
-        if room > 1 and not any(same(start, item.orbit.point) for item in found):
-            orbits = branch(problem, start, replace(span, points=room), pace, flow.parts)
+        room, known = span.points - len(found), [item.orbit for item in found]
+        if room > 1 and not any(same(start, orbit.point) for orbit in known):
+            orbits = branch(problem, start, replace(span, points=room), pace, flow.parts, known)
             number = len({item.branch for item in found})
-            found += peaked(
-                flow, problem, amplitude, _measured(flow, amplitude, orbits, number), pace
-            )
-    return found or _nothing(flow, amplitude, span.lowest)
+            measured = _measured(flow, amplitude, orbits, number)
+            found += peaked(flow, problem, amplitude, measured, pace)
+    return found
 
 
 def _measured(flow: ReturnMap, amplitude: float, orbits: list[Orbit], number: int) -> list[Found]:
     x, p = np.stack([orbit.point.x for orbit in orbits]), np.array([orbit.p for orbit in orbits])
     swings = flow.swings(x, p, np.full(len(p), amplitude))
-    return [Found(number, orbit, swing) for orbit, swing in zip(orbits, swings)]
+    return [Found(number, orbit, swing, orbit.multipliers) for orbit, swing in zip(orbits, swings)]
 
 
 def _nothing(flow: ReturnMap, amplitude: float, p: float) -> list[Found]:
     """A row without a motion."""
     x = np.full(flow.size, np.nan)
-    value = Value(x, ok=False, details=Return(x, ok=False, by_start=np.full((1, 1), np.nan)))
+    value = Value(x, ok=False, details=Return(x, ok=False))
     point = Point(x, p, np.append(x, np.nan), value)
     swing = flow.swings(np.zeros((1, flow.size)), np.array([p]), np.zeros(1))[0]
     lost = replace(swing, displacement=np.full_like(swing.displacement, np.nan))
-    return [Found(0, Orbit(point, Kind.END, Outcome.LOST), lost)]
+    return [Found(0, Orbit(point, Kind.END, Outcome.LOST), lost, x)]
 
 
 def same(one: Point, other: Point) -> bool:

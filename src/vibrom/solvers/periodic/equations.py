@@ -1,0 +1,75 @@
+"""The equations of a periodic motion, and a first solution.
+
+    H(x, Omega, a) - x = 0
+
+along the frequency Omega of the forcing or along its amplitude a. The first motion of a curve is
+found from rest, by continuation in the amplitude from a forcing under which the model is nearly
+linear.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibrom.solvers.periodic import continuation
+from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
+from vibrom.solvers.periodic.maps import Return, ReturnMap
+
+SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, nearly linear
+MOST = 200  # points from rest to a start
+
+
+def in_frequency(flow: ReturnMap, amplitude: float) -> Problem:
+    """H(x, p, amplitude) - x."""
+
+    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
+        found = flow(x, p, amplitude, derivative)
+        return _value(found, x, found.by_frequency)
+
+    return problem
+
+
+def in_amplitude(flow: ReturnMap, frequency: float) -> Problem:
+    """H(x, frequency, p) - x."""
+
+    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
+        found = flow(x, frequency, p, derivative)
+        return _value(found, x, found.by_amplitude)
+
+    return problem
+
+
+def _value(found: Return, x: np.ndarray, by_p: np.ndarray | None) -> Value:
+    by_x = None if found.by_start is None else found.by_start - np.eye(len(x))
+    return Value(found.end - x, by_x, by_p, found.ok, found.rough, found)
+
+
+def prepare(flow: ReturnMap, frequency: float) -> None:
+    """Loads and compiles what a map needs, at rest, so that later only computations take time."""
+    flow(np.zeros(flow.size), frequency, 0.0)
+    many = 9  # from nine states on, sixteen go side by side
+    flow.swings(np.zeros((many, flow.size)), np.full(many, frequency), np.zeros(many))
+
+
+def from_rest(flow: ReturnMap, frequency: float, amplitude: float) -> np.ndarray:
+    """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
+    problem = in_amplitude(flow, frequency)
+    pace = Pace(0.5 * amplitude, first=0.2, largest=1.0, turn=0.5, newton=flow.free)
+    before = _beginning(problem, flow.size, amplitude, pace)
+    for count, ahead in enumerate(continuation.walk(problem, before, pace)):
+        if ahead.p >= amplitude:
+            return continuation.onto(problem, before, ahead, amplitude, pace).x
+        if count > MOST:
+            break
+        before = ahead
+    raise Lost("the amplitude of the forcing was not reached")
+
+
+def _beginning(problem: Problem, size: int, amplitude: float, pace: Pace) -> Point:
+    """A motion under a part of the forcing that is small enough."""
+    for part in SMALL[:-1]:
+        try:
+            return continuation.at(problem, np.zeros(size), part * amplitude, pace)
+        except Lost:
+            continue
+    return continuation.at(problem, np.zeros(size), SMALL[-1] * amplitude, pace)

@@ -1,0 +1,147 @@
+"""Branches and sweeps of two masses with a hardening spring, whose curve folds."""
+
+import dataclasses
+
+import numpy as np
+import periodic_systems as systems
+import pytest
+import two_dofs
+
+from vibrom.experiments.branches import Branches, curve_of
+from vibrom.experiments.sweeps import Sweeps
+from vibrom.models.rollout import Integrator
+
+FORCING = 0.06
+RANGE = {"lowest": 0.85, "highest": 1.4}
+LINEAR = systems.TWO | {"cubic": [0.0, 0.0]}
+
+
+@pytest.fixture(scope="module")
+def models():
+    return systems.full_order(**systems.TWO), systems.reduced(**systems.TWO)
+
+
+@pytest.fixture(scope="module")
+def branches():
+    return Branches(forcing=FORCING, frequencies=45, **RANGE)
+
+
+@pytest.fixture(scope="module")
+def answers(models, branches):
+    return [branches.ask(model, two_dofs.given()) for model in models]
+
+
+def test_an_exact_model_has_the_folds_of_the_full_order(answers, branches):
+    truth, model = answers
+    scores = branches.score(model, truth)
+    assert scores["folds"] == 2.0 and scores["wrong_stable_motions"] == 0.0
+    # The steps shift frequencies by 1e-5; a peak and a fold are flat in amplitude.
+    assert abs(scores["fold_frequency_error_percent"]) < 0.01
+    assert abs(scores["fold_amplitude_error_percent"]) < 0.1
+    assert abs(scores["peak_error_percent"]) < 0.05
+    assert abs(scores["bistable_width_error_percent"]) < 0.1
+    assert scores["stable_amplitude_error_percent"] < 1.0
+    assert scores["unstable_amplitude_error_percent"] < 1.0
+
+
+def test_a_model_that_is_wrong_says_so(answers, branches, models):
+    """A spring that is a fifth stiffer moves the folds by a tenth of their detuning or more."""
+    truth, _ = answers
+    stiffer = systems.reduced(**systems.TWO | {"cubic": [6.0, 0.0]})
+    scores = branches.score(branches.ask(stiffer, two_dofs.given()), truth)
+    assert scores["folds"] == 2.0 and 0.3 < scores["fold_frequency_error_percent"] < 10.0
+    assert scores["wrong_stable_motions"] > 0.0
+    linear = branches.ask(systems.reduced(**LINEAR), two_dofs.given())
+    scores = branches.score(linear, truth)
+    assert scores["folds"] == 0.0 and scores["fold_frequency_error_percent"] == np.inf
+    assert scores["bistable_width_error_percent"] == pytest.approx(-100.0)
+
+
+def test_two_stable_motions_are_counted_between_the_folds(answers):
+    for answer in answers:
+        curve = curve_of(answer)
+        high, low = curve.frequency[curve.folds]
+        grid = answer["grid_frequency"].values
+        inside = (low < grid) & (grid < high)
+        assert inside.sum() > 2
+        np.testing.assert_array_equal(answer["stable_motions"].values, 1 + inside)
+        assert float(answer["bistable_width"]) == pytest.approx(high - low, rel=1e-6)
+
+
+def test_the_largest_multiplier_decides_on_stability(answers):
+    for answer in answers:
+        largest = answer["multiplier_largest"].values
+        np.testing.assert_array_equal(answer["stable"].values, largest < 1.0)
+        parts = answer["multiplier_real"].values + 1j * answer["multiplier_imaginary"].values
+        np.testing.assert_allclose(np.abs(parts), largest, rtol=1e-12)
+        at_folds = largest[answer["kind"].values == "fold"]
+        np.testing.assert_allclose(at_folds, 1.0, atol=1e-3)
+
+
+def test_harmonics_add_up_to_the_motion(answers):
+    """A symmetric spring has odd harmonics only; the first is the amplitude, nearly."""
+    for answer in answers:
+        harmonic = answer["harmonic_amplitude"].values
+        assert np.abs(harmonic[..., ::2]).max() < 1e-6 * harmonic.max()
+        np.testing.assert_allclose(harmonic[..., 1], answer["half_range"].values, rtol=0.1)
+
+
+def test_a_motion_that_leaves_the_training_range_is_marked(branches):
+    narrow = systems.reduced(**systems.TWO, reach=0.3)
+    answer = branches.ask(narrow, two_dofs.given())
+    left = answer["range_ratio"].values > 1.01
+    assert 0 < left.sum() < len(left)
+    np.testing.assert_array_equal(answer["outcome"].values == "left_range", left)
+
+
+def test_a_budget_of_points_is_kept(models, branches):
+    short = dataclasses.replace(branches, points=12).ask(models[1], two_dofs.given())
+    assert short.sizes["point"] <= 12 + 3  # and those about the peak
+    assert short["kind"].values[-1] == "end" and short["outcome"].values[-1] == "unfinished"
+
+
+def test_sweeps_jump_at_the_folds(models, answers, branches):
+    """Up at the lower fold when sweeping down, down at the upper one when sweeping up; a sweep of
+    finite pace stays a little too long.
+    """
+    sweeps = Sweeps(forcing=FORCING, frequencies=17, periods=60, lowest=1.0, highest=1.25)
+    found = [sweeps.ask(model, two_dofs.given()) for model in models]
+    curve = curve_of(answers[1])
+    high, low = curve.frequency[curve.folds]
+    step = np.diff(found[0]["angular_frequency"].values)[0] / 2**sweeps.halvings
+    for answer in found:
+        up, down = answer["jump_frequency"].values
+        assert up[0] < up[1] and down[0] > down[1]
+        assert abs(up[1] - up[0]) == pytest.approx(step, rel=1e-6)
+        assert up[1] > high - step and up[0] < high + 2 * step
+        assert down[0] > low - 2 * step and down[1] < low + step
+    scores = sweeps.score(found[1], found[0])
+    assert scores["jumps"] == 2.0 and scores["amplitude_error_median_percent"] < 0.05
+    assert abs(scores["jump_up_error_percent"]) < 100 * step
+    linear = sweeps.ask(systems.reduced(**LINEAR), two_dofs.given())
+    assert sweeps.score(linear, found[0])["jump_up_error_percent"] == np.inf
+
+
+def test_a_sweep_that_fails_says_so():
+    """A softening spring gives way."""
+    soft = systems.reduced(**systems.TWO | {"cubic": [-5.0, 0.0]})
+    sweeps = Sweeps(forcing=0.5, frequencies=5, periods=5, settle=5, **RANGE)
+    answer = sweeps.ask(soft, two_dofs.given())
+    failed = answer["outcome"].values == "diverged"
+    assert failed.any()
+    np.testing.assert_array_equal(np.isnan(answer["amplitude"].values).all(axis=-1), failed)
+
+
+def test_models_without_compiled_code_answer_too(models, branches):
+    """The four functions of a model are enough."""
+
+    class Plain(type(models[1].rom)):
+        def field(self, p):
+            return None
+
+    rom = models[1].rom
+    plain = Plain(**{item.name: getattr(rom, item.name) for item in dataclasses.fields(rom)})
+    model = dataclasses.replace(models[1], rom=plain, integrator=Integrator())
+    few = dataclasses.replace(branches, points=6)
+    one, other = (few.ask(item, two_dofs.given()) for item in (models[1], model))
+    np.testing.assert_allclose(one["maximum"].values, other["maximum"].values, rtol=1e-6)

@@ -1,0 +1,75 @@
+"""Numbers of curves with branches, by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from vibrom.models.curves import Curve, difference
+from vibrom.solvers.periodic.stability import Kind
+
+KINDS = {1: Kind.FOLD, 3: Kind.FOLD, 4: Kind.END}
+
+
+def folded(shift=0.0, size=1.0):
+    """Up to a fold at 4, back to one at 2 and on to 6; the middle part is unstable."""
+    frequency = np.array([1.0, 4.0, 3.0, 2.0, 6.0]) + shift
+    amplitude = size * np.array([1.0, 3.0, 2.5, 2.0, 1.0])
+    kind = np.array([KINDS.get(number, Kind.REGULAR) for number in range(5)])
+    stable = np.array([True, True, False, False, True])
+    return Curve(np.zeros(5, int), frequency, amplitude, stable, kind)
+
+
+def single(shift=0.0):
+    """One peak, stable everywhere."""
+    frequency = np.linspace(7.0, 13.0, 61)
+    kind = np.array([Kind.REGULAR] * 60 + [Kind.END])
+    stable = np.ones(61, bool)
+    return Curve(
+        np.zeros(61, int), frequency + shift, 1 / (1 + (frequency - 10.0) ** 2), stable, kind
+    )
+
+
+def test_stable_motions_are_counted_between_the_folds():
+    curve = folded()
+    assert curve.motions(np.array([1.0, 1.5, 2.5, 3.9, 4.5, 6.0])).tolist() == [1, 1, 2, 2, 1, 1]
+    assert curve.bistable_width == pytest.approx(2.0)
+    assert single().motions(np.linspace(7, 13, 7)).tolist() == [1] * 7
+    assert single().bistable_width == 0.0
+
+
+def test_a_curve_that_is_shifted_is_off_by_the_shift():
+    off = difference(folded(shift=0.1, size=1.02), folded())
+    assert off.fold_frequency == pytest.approx(100 * 0.1 / 2.0)
+    assert off.fold_amplitude == pytest.approx(2.0)
+    assert off.peak_frequency == pytest.approx(100 * 0.1 / 4.0)
+    assert off.peak_amplitude == pytest.approx(2.0)
+    assert off.bistable_width == pytest.approx(0.0)
+    assert off.stable_amplitude == pytest.approx(2.0, abs=0.5)
+    assert off.unstable_amplitude == pytest.approx(2.0, abs=0.5)
+
+
+def test_a_curve_without_the_folds_of_the_true_one_is_infinitely_wrong():
+    off = difference(single(), folded())
+    assert off.fold_frequency == off.fold_amplitude == np.inf
+    assert off.stable_amplitude == off.unstable_amplitude == np.inf
+    assert off.bistable_width == pytest.approx(-100.0)
+    assert difference(folded(), single()).bistable_width == np.inf
+
+
+def test_equal_curves_without_folds_differ_by_nothing():
+    off = difference(single(), single())
+    assert list(vars(off).values()) == [0.0] * 7
+    assert difference(single(0.3), single()).stable_amplitude == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_branch_that_ended_early_is_not_whole():
+    cut = folded().part(slice(0, 3))
+    cut = replace(cut, kind=np.array([Kind.REGULAR, Kind.FOLD, Kind.END]))
+    assert difference(cut, folded()).stable_amplitude == np.inf
+
+
+def test_a_curve_without_motions_is_infinitely_wrong_and_as_a_truth_says_nothing():
+    none = Curve(*(np.array([item]) for item in (0, 1.0, np.nan, False, Kind.END)))
+    assert set(vars(difference(none, single())).values()) == {np.inf}
+    assert np.isnan(list(vars(difference(single(), none)).values())).all()

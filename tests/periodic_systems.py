@@ -1,0 +1,97 @@
+"""Systems for the tests of periodic motions: masses on springs with cubic ones to the ground, as
+full order and as exact reduced models.
+
+    M q'' + c M q' + K q + kappa q_1^3 e_1 = p a sin(Omega t)
+"""
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csr_matrix
+
+from vibrom.effects.cubic_spring import _force, _tangent
+from vibrom.latent.polynomial_rom import PolynomialRom
+from vibrom.models.full_order import FullOrder
+from vibrom.models.reduced import Reduced
+from vibrom.models.rollout import Integrator
+from vibrom.solvers.full.newmark import Newmark
+from vibrom.term import Force, Term
+
+
+def term(mass, stiffness, load, cubic, damping):
+    """`cubic` is the factor of q_i^3 on each displacement."""
+    held = np.flatnonzero(cubic)
+    spring = Force(
+        lambda width: (_force, _tangent), held[:, None], np.array(cubic, float)[held][:, None]
+    )
+    mass, stiffness = csr_matrix(np.array(mass, float)), csr_matrix(np.array(stiffness, float))
+    forces = (spring,) if len(held) else ()
+    return Term(
+        mass=mass,
+        damping=damping * mass,
+        stiffness=stiffness,
+        load=np.array(load, float),
+        forces=forces,
+    )
+
+
+def full_order(mass, stiffness, load, cubic, damping, steps=400, **newmark):
+    """All displacements are watched."""
+    made = term(mass, stiffness, load, cubic, damping)
+    omega = np.sqrt(eigh(stiffness, mass, eigvals_only=True))
+    ratio = damping / (2.0 * omega)
+    root = np.sqrt(ratio.astype(complex) ** 2 - 1.0)
+    poles = np.concatenate([omega * (-ratio + root), omega * (-ratio - root)])
+    damped = omega[0] * np.sqrt(1.0 - ratio[0] ** 2)
+    n = len(omega)
+    return FullOrder(
+        made, np.arange(n), Newmark(**newmark), steps, "equilibrium", damped, poles, np.zeros(n)
+    )
+
+
+def reduced(mass, stiffness, load, cubic, damping, reach=2.0):
+    """The same system in its modes, all of them, in physical displacements where M = 1."""
+    squares, vectors = eigh(stiffness, mass)
+    modes, n = vectors.T, len(squares)
+    linear = np.eye(2 * n, dtype=np.int64)
+    # (sum_k phi_ki z_k)^3 by its monomials
+    powers, factors = [], []
+    for one in np.ndindex(*(n * (4,))):
+        if sum(one) == 3:
+            count = 6 / np.prod([[1, 1, 2, 6][e] for e in one])
+            powers.append([*one, *([0] * n)])
+            shapes = np.prod(modes ** np.array(one)[:, None], axis=0)  # (n,) at each displacement
+            factors.append(-count * modes @ (np.array(cubic) * shapes))
+    drift = np.zeros((2 * n, 2 * n + len(powers)))
+    drift[:n, n : 2 * n] = np.eye(n)
+    drift[n:, :n], drift[n:, n : 2 * n] = -np.diag(squares), -damping * np.eye(n)
+    drift[n:, 2 * n :] = np.array(factors).T
+    size = np.concatenate([np.full(n, reach), reach * np.sqrt(squares)])
+    rom = PolynomialRom(
+        size,
+        modes @ mass,
+        np.ones(2 * n),
+        np.kron(np.eye(2), modes.T),
+        linear,
+        drift,
+        np.concatenate([linear, np.array(powers)]),
+        modes,
+    )
+    omega = np.sqrt(squares[0])
+    damped = omega * np.sqrt(1.0 - (damping / (2.0 * omega)) ** 2)
+    return Reduced(rom, np.array(load, float), np.arange(n), damped, Integrator())
+
+
+DUFFING = {
+    "mass": np.eye(1),
+    "stiffness": np.eye(1),
+    "load": [1.0],
+    "cubic": [1.0],
+    "damping": 0.04,
+}
+TWO = {
+    "mass": np.diag([2.0, 1.0]),
+    "stiffness": np.array([[3.0, -1.0], [-1.0, 1.0]]),
+    "load": [0.0, 1.0],
+    "cubic": [5.0, 0.0],
+    "damping": 0.04,
+}

@@ -1,0 +1,209 @@
+"""Return maps: derivatives against differences, multipliers against independent integrations, half
+periods against whole ones, and the motion itself against long time marching.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import periodic_systems as systems
+import pytest
+from scenes import CANTILEVER, THESIS, body
+from scipy.integrate import solve_ivp
+
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.solvers.full.newmark import Newmark
+from vibrom.solvers.periodic import symmetry
+from vibrom.solvers.periodic.equations import from_rest
+from vibrom.solvers.periodic.newmark_map import NewmarkMap
+
+STOP = {"at": [1.0, 0.1], "direction": "y", "gap": 2e-3, "stiffness": 1e5, "damping": 0.1}
+SHORT = body(cells=[4, 1], height=0.1)
+TRACTION = {"edge": "right", "pressure": 1e6, "shear": 1e6}
+
+
+def beam(extra=None, steps=200, body=SHORT, mirrored=True, **newmark):
+    """A short clamped beam that bends far, and more effects."""
+    made = space.build(body)
+    term = effects.assemble(made, {**THESIS, **(extra or {})})
+    found = symmetry.candidates(made.dof_location, made.dof_axis, made.size)
+    found = [s for s in found if symmetry.holds(s, term)] if mirrored else []
+    settings = Newmark(alpha=0.005, **newmark)
+    probes, rest = np.array([made.size - 1]), np.zeros(made.size)
+    return NewmarkMap(term, settings, steps, 2000.0, probes, rest, found[0] if found else None)
+
+
+def periodic(flow, frequency, amplitude, near=None):
+    """The motion at this forcing, by Newton's iteration from rest, or from a point near it."""
+    x = np.zeros(flow.size) if near is None else near
+    for _ in range(8):
+        found = flow(x, frequency, amplitude)
+        x = x + np.linalg.solve(np.eye(flow.size) - found.by_start, found.end - x)
+    assert np.linalg.norm(flow(x, frequency, amplitude).end - x) < 1e-7 * np.linalg.norm(x)
+    return x
+
+
+CASES = {
+    "mirrored": ({}, {}),
+    "whole period": ({}, {"mirrored": False}),
+    "a stop with losses": ({"stop": STOP}, {}),
+    "stiffness damping": (
+        {"rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 1e-6}},
+        {},
+    ),
+    "follower load": ({"follower_load": TRACTION}, {}),
+    "sparse": ({}, {"widest_band": 3}),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_derivative_is_that_of_the_steps(name):
+    """Central differences of the map along random directions, along frequency and amplitude."""
+    extra, options = CASES[name]
+    flow = beam(extra, **options)
+    assert flow.parts == (2 if name in ("mirrored", "stiffness damping", "sparse") else 1)
+    random = np.random.default_rng(3)
+    amplitude, frequency = 2e4, 1500.0
+    x = flow(np.zeros(flow.size), frequency, amplitude, derivative=False).end
+    found = flow(x, frequency, amplitude)
+    size = np.linalg.norm(x)
+    for _ in range(3):
+        along = random.standard_normal(flow.size)
+        along *= 1e-4 * size / np.linalg.norm(along)
+        ends = [flow(x + sign * along, frequency, amplitude, False).end for sign in (1, -1)]
+        change = 0.5 * (ends[0] - ends[1])
+        error = np.linalg.norm(found.by_start @ along - change)
+        assert error < 2e-4 * np.linalg.norm(change)
+    ends = [flow(x, frequency * (1 + d), amplitude, False).end for d in (1e-5, -1e-5)]
+    change = (ends[0] - ends[1]) / (2e-5 * frequency)
+    assert np.linalg.norm(found.by_frequency - change) < 2e-4 * np.linalg.norm(change)
+    ends = [flow(x, frequency, amplitude * (1 + d), False).end for d in (1e-4, -1e-4)]
+    change = (ends[0] - ends[1]) / (2e-4 * amplitude)
+    assert np.linalg.norm(found.by_amplitude - change) < 2e-4 * np.linalg.norm(change)
+
+
+def test_half_a_period_twice_is_a_whole_one():
+    half, whole = beam(), beam(mirrored=False)
+    assert (half.parts, whole.parts) == (2, 1)
+    x = periodic(half, 1500.0, 2e4)
+    once = half(x, 1500.0, 2e4)
+    full = whole(x, 1500.0, 2e4)
+    np.testing.assert_allclose(full.end, x, atol=1e-6 * np.linalg.norm(x))
+    # At a periodic motion the second half's derivative is the first one's.
+    twice = once.by_start @ once.by_start
+    assert np.abs(twice - full.by_start).max() < 1e-5 * np.abs(full.by_start).max()
+    one, other = (
+        flow.swings(x[None], np.array([1500.0]), np.array([2e4])) for flow in (half, whole)
+    )
+    np.testing.assert_allclose(one[0].displacement, other[0].displacement, rtol=1e-5, atol=1e-9)
+
+
+def test_multipliers_of_a_linear_oscillator_are_those_of_the_method():
+    """The amplification matrix of Newmark's method, written out for one displacement."""
+    flow = systems.full_order(**systems.DUFFING | {"cubic": [0.0]}, alpha=0.01).return_map()
+    frequency, damping = 0.9, systems.DUFFING["damping"]
+    h = 2 * np.pi / frequency / flow.steps_per_period
+    gamma, beta = 0.51, 0.25 * 1.01**2
+    # (q, v, a) -> (q, v, a), by  a' (1 + gamma h c + beta h^2) = -c v~ - q~
+    ahead = np.array([[1.0, h, h * h * (0.5 - beta)], [0.0, 1.0, h * (1 - gamma)]])
+    fall = -(damping * ahead[1] + ahead[0]) / (1 + gamma * h * damping + beta * h * h)
+    step = np.stack([ahead[0] + beta * h * h * fall, ahead[1] + gamma * h * fall, fall])
+    start = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, -damping]])
+    steps = flow.steps_per_period // flow.parts
+    whole = (np.linalg.matrix_power(step, steps) @ start)[:2]
+    sign = -1.0 if flow.parts == 2 else 1.0
+    ours = np.sort_complex(flow(np.ones(2), frequency, 0.1).multipliers)
+    np.testing.assert_allclose(ours, np.sort_complex(sign * np.linalg.eigvals(whole)), atol=1e-9)
+
+
+def duffing_flow(t, y, frequency, amplitude):
+    """The oscillator and its variational equation (two columns)."""
+    x, v, phi = y[0], y[1], y[2:].reshape(2, 2)
+    c = systems.DUFFING["damping"]
+    slope = np.array([[0.0, 1.0], [-1.0 - 3.0 * x**2, -c]])
+    force = amplitude * np.sin(frequency * t)
+    return np.concatenate([[v, -x - x**3 - c * v + force], (slope @ phi).ravel()])
+
+
+@pytest.mark.parametrize("kind", ["full order", "reduced", "reduced in numpy"])
+def test_multipliers_are_those_of_the_variational_equation(kind):
+    """Duffing's oscillator where it folds, integrated by SciPy with its variational equation."""
+    frequency, amplitude = 1.3, 0.2
+    if kind == "full order":
+        flow = systems.full_order(**systems.DUFFING, steps=4000).return_map()
+        flow = replace(flow, symmetry=None)
+        tolerance = 1e-5  # (omega h)^2/12 = 2e-7 a radian, and stability turns on a few radians
+    else:
+        flow = systems.reduced(**systems.DUFFING).return_map()
+        flow = replace(flow, field=None) if kind == "reduced in numpy" else flow
+        tolerance = 1e-7
+    x = periodic(flow, frequency, amplitude)
+    state = flow.state(x)
+    np.testing.assert_allclose(flow.of_state(state), x, atol=1e-9)
+    exact = solve_ivp(
+        duffing_flow,
+        (0, 2 * np.pi / frequency),
+        [*state, 1, 0, 0, 1],
+        args=(frequency, amplitude),
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+    ).y[:, -1]
+    found = flow(x, frequency, amplitude)
+    np.testing.assert_allclose(flow.state(found.end), exact[:2], atol=tolerance)
+    multipliers = np.sort_complex(np.linalg.eigvals(exact[2:].reshape(2, 2)))
+    np.testing.assert_allclose(np.sort_complex(found.multipliers), multipliers, atol=10 * tolerance)
+    # Liouville: the product is exp(-c T), whatever the motion.
+    product = np.exp(-systems.DUFFING["damping"] * 2 * np.pi / frequency)
+    assert np.prod(found.multipliers).real == pytest.approx(product, abs=tolerance)
+
+
+def test_a_periodic_motion_is_where_time_marching_ends():
+    """To 1e-5 of its size, as the steps that march leave 1e-6 of their forces."""
+    flow = beam({"rayleigh_damping": {"damping_ratio": 0.1}})
+    x = periodic(flow, 1500.0, 2e4)
+    ended = flow.after(np.zeros(flow.size), 1500.0, 2e4, 40)
+    assert np.linalg.norm(ended - x) < 1e-5 * np.linalg.norm(x)
+    swings = flow.swings(np.stack([x, ended]), np.full(2, 1500.0), np.full(2, 2e4))
+    one, other = (swing.displacement.max() for swing in swings)
+    assert one == pytest.approx(other, rel=1e-5)
+
+
+def test_work_of_the_load_is_what_damping_takes():
+    """Over a period of a motion without numerical damping:  int p.v u dt = int v'Cv dt."""
+    model = systems.full_order(**systems.TWO, steps=2000)
+    flow = model.return_map()
+    for frequency in (0.6, 0.75, 0.9):
+        x = periodic(flow, frequency, 0.05, from_rest(flow, frequency, 0.05))
+        q, v = np.split(flow.state(x), 2)
+        steps = flow.steps_per_period
+        signal = 0.05 * np.sin(2 * np.pi * np.arange(steps + 1) / steps)[:, None]
+        step = np.array([2 * np.pi / frequency / steps])
+        motion = replace(flow.newmark, tolerance=1e-10).run(
+            flow.term, q[:, None], step, steps, velocity=v[:, None], signal=signal
+        )
+        velocity = motion.velocity[0, :-1]
+        work = (velocity @ flow.term.load) @ signal[:-1, 0] * step[0]
+        lost = np.einsum("ti,ij,tj->", velocity, flow.term.damping.toarray(), velocity) * step[0]
+        assert work == pytest.approx(lost, rel=1e-4)
+
+
+def test_symmetries_are_told_from_forces():
+    made = space.build(CANTILEVER)
+    term = effects.assemble(made, THESIS)
+    odd, *mirrors = symmetry.candidates(made.dof_location, made.dof_axis, made.size)
+    assert not symmetry.holds(odd, term)  # a bent beam shortens, whichever way it bends
+    assert [symmetry.holds(mirror, term) for mirror in mirrors] == [True, False, False]
+    stopped = effects.assemble(made, {**THESIS, "stop": {**STOP, "at": [1.0, 0.01]}})
+    assert not any(symmetry.holds(item, stopped) for item in [odd, *mirrors])
+    spring = systems.full_order(**systems.TWO)
+    (odd,) = symmetry.candidates(None, None, 2)
+    assert symmetry.holds(odd, spring.term)
+
+
+def test_a_motion_that_does_not_last_is_no_error():
+    """A softening spring beyond its hill."""
+    soft = systems.DUFFING | {"cubic": [-1.0]}
+    for flow in (systems.reduced(**soft).return_map(), systems.full_order(**soft).return_map()):
+        found = flow(flow.of_state(np.array([3.0, 0.0])), 1.0, 0.0)
+        assert not found.ok or np.linalg.norm(found.end) > 1e3

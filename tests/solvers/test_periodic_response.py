@@ -1,0 +1,197 @@
+"""Whole response curves: folds against the averaged equation, against sweeps and against a second
+integrator; a pitchfork at a place that another integration gives.
+"""
+
+import numpy as np
+import periodic_systems as systems
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from vibrom.artefacts.outcome import Outcome
+from vibrom.solvers.periodic import continuation
+from vibrom.solvers.periodic.continuation import Pace
+from vibrom.solvers.periodic.equations import from_rest, in_amplitude
+from vibrom.solvers.periodic.response import Span, branch, response
+from vibrom.solvers.periodic.stability import Kind
+
+
+def curve(flow, amplitude, lowest, highest, **pace):
+    """All branches between two frequencies."""
+    pace = Pace(0.1 * (highest - lowest), newton=flow.free, **pace)
+    return response(flow, amplitude, Span(lowest, highest, 300, 1e-3), pace)
+
+
+def folds(found):
+    """Frequencies of the main folds, in the order of the branch."""
+    return np.array([item.orbit.p for item in found if item.orbit.kind == Kind.FOLD])
+
+
+def averaged_folds(damping, force):
+    """Of x'' + c x' + x + x^3 = f sin(Omega t), by averaging: with Omega = 1 + s the amplitude a
+    obeys  (c a/2)^2 + (a s - 3 a^3/8)^2 = (f/2)^2,  and folds where ds/da = 0.
+    """
+    places = []
+    for side in (-1.0, 1.0):  # left and right of the backbone s = 3 a^2/8
+
+        def slope(a, side=side):
+            root = np.sqrt((force / (2 * a)) ** 2 - (damping / 2) ** 2)
+            return 0.75 * a - side * force**2 / (4 * a**3 * root)
+
+        grid = force / damping * (1.0 - np.geomspace(1e-9, 0.9, 4000))
+        signs = np.sign(slope(grid))
+        for k in np.flatnonzero(signs[1:] != signs[:-1]):
+            a = brentq(slope, grid[k], grid[k + 1])
+            root = np.sqrt((force / (2 * a)) ** 2 - (damping / 2) ** 2)
+            places.append(1.0 + 3 * a**2 / 8 + side * root)
+    return np.sort(places)
+
+
+def test_duffings_folds_tend_to_those_of_the_averaged_equation():
+    """c = 2 e, f = 6 e sqrt(e): detunings are of order e, and what averaging neglects e^2."""
+    errors = []
+    for small in (0.02, 0.01, 0.005):
+        system = systems.DUFFING | {"damping": 2 * small}
+        force = 6.0 * small**1.5
+        expected = averaged_folds(2 * small, force)
+        flow = systems.reduced(**system, reach=1.0).return_map()
+        found = np.sort(folds(curve(flow, force, 1 - 4 * small, 1 + 8 * small)))
+        assert len(found) == len(expected) == 2
+        errors.append(np.abs(found - expected).max() / small)
+    assert errors[-1] < 0.15
+    # An error of order e^2 in a detuning of order e halves with e.
+    assert errors[1] / errors[2] == pytest.approx(2.0, abs=0.5)
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.5)
+
+
+@pytest.fixture(scope="module")
+def two():
+    """The curve of two masses, by the full order and by the exact reduced model."""
+    models = systems.full_order(**systems.TWO), systems.reduced(**systems.TWO)
+    flows = [model.return_map() for model in models]
+    return flows, [curve(flow, 0.06, 0.6, 1.0) for flow in flows]
+
+
+def test_both_kinds_of_model_fold_at_the_same_places(two):
+    _, found = two
+    full, reduced = map(folds, found)
+    assert len(full) == len(reduced) == 2
+    # (omega h)^2/24 of the frequency is lost in the steps of the full order, 1e-5.
+    np.testing.assert_allclose(full, reduced, rtol=3e-5)
+    for items in found:
+        assert items[-1].orbit.kind == Kind.END and items[-1].orbit.outcome == Outcome.OK
+        assert {item.branch for item in items} == {0}
+
+
+def test_stability_changes_at_the_folds_alone(two):
+    _, found = two
+    for items in found:
+        marks = np.cumsum([item.orbit.kind == Kind.FOLD for item in items])
+        stable = np.array([np.abs(item.multipliers).max() < 1.0 for item in items])
+        regular = np.array([item.orbit.kind != Kind.FOLD for item in items])
+        np.testing.assert_array_equal(stable[regular], (marks % 2 == 0)[regular])
+
+
+def test_stable_motions_are_where_time_marching_stays_and_unstable_ones_are_left(two):
+    """400 periods of the map itself; a stable motion is kept to 1e-5, an unstable one is not."""
+    flows, found = two
+    for flow, items in zip(flows, found):
+        for stable in (True, False):
+            chosen = [
+                item.orbit
+                for item in items
+                if (
+                    np.abs(item.multipliers).max() < 0.95
+                    if stable
+                    else np.abs(item.multipliers).max() > 1.02
+                )
+            ]
+            for orbit in chosen[:: max(len(chosen) // 3, 1)]:
+                x = orbit.point.x
+                ended = flow.after(x * (1.0 + 1e-4), orbit.p, 0.06, 400)
+                apart = np.linalg.norm(ended - x) / np.linalg.norm(x)
+                assert apart < 1e-5 if stable else apart > 1e-2
+
+
+def test_folds_are_where_a_slow_sweep_jumps(two):
+    """Beyond the upper fold the upper motion is gone, before it is there; below likewise."""
+    (flow, _), (found, _) = two
+    high, low = folds(found)
+    places = [number for number, item in enumerate(found) if item.orbit.kind == Kind.FOLD]
+    for place, inside in zip(places, (-1.0, 1.0)):
+        orbit = found[place].orbit
+        for side in (inside, -inside):
+            x = flow.after(orbit.point.x, orbit.p * (1.0 + side * 2e-3), 0.06, 300)
+            near = np.linalg.norm(x - orbit.point.x) / np.linalg.norm(x)
+            assert (near < 0.4) == (side == inside)
+    assert high > low
+
+
+def test_a_curve_in_the_amplitude_folds_too(two):
+    """An S-curve between the folds: one motion at a small forcing, three, one at a large one."""
+    flow = two[0][1]
+    high, low = folds(two[1][1])
+    middle = 0.5 * (high + low)
+    pace = Pace(0.03, newton=True)
+    start = from_rest(flow, middle, 0.01)
+    problem = in_amplitude(flow, middle)
+    point = continuation.at(problem, start, 0.01, pace)
+    orbits = branch(problem, point, Span(0.005, 0.2, 300, 1e-6), pace, flow.parts)
+    ends = [orbit.p for orbit in orbits if orbit.kind == Kind.FOLD]
+    assert len(ends) == 2 and ends[1] < 0.06 < ends[0]
+    assert orbits[-1].outcome == Outcome.OK and orbits[-1].p == pytest.approx(0.2)
+
+
+def test_two_equal_oscillators_lose_their_symmetry_where_theory_says():
+    """Coupled by a spring and driven alike they move as one Duffing oscillator x(t), until its
+    difference y'' + c y' + (1 + 2 k + 3 x^2) y = 0 grows: integrated apart from our maps.
+    """
+    coupling, damping, force = 0.15, 0.05, 0.45
+    pair = {
+        "mass": np.eye(2),
+        "stiffness": np.array([[1.0 + coupling, -coupling], [-coupling, 1.0 + coupling]]),
+        "load": [1.0, 1.0],
+        "cubic": [1.0, 1.0],
+        "damping": damping,
+    }
+    flow = systems.reduced(**pair).return_map()
+    found = curve(flow, force, 0.5, 2.6)
+    named = [
+        item.orbit for item in found if item.orbit.kind in (Kind.PITCHFORK, Kind.PERIOD_DOUBLING)
+    ]
+    assert named
+
+    def growth(orbit):
+        """Multipliers of the difference along this motion."""
+        x, _, v, _ = flow.state(orbit.point.x)
+
+        def slope(t, y):
+            drive = force * np.sin(orbit.p * t)
+            stiffness = 1.0 + 2.0 * coupling + 3.0 * y[0] ** 2
+            own = [y[1], -y[0] - y[0] ** 3 - damping * y[1] + drive]
+            return [
+                *own,
+                y[3],
+                -damping * y[3] - stiffness * y[2],
+                y[5],
+                -damping * y[5] - stiffness * y[4],
+            ]
+
+        end = solve_ivp(
+            slope, (0, 2 * np.pi / orbit.p), [x, v, 1, 0, 0, 1], rtol=1e-10, atol=1e-12
+        ).y[:, -1]
+        np.testing.assert_allclose(end[:2], [x, v], atol=1e-6)
+        return np.linalg.eigvals(end[2:].reshape(2, 2).T)
+
+    for orbit in named:
+        values = growth(orbit)
+        sign = 1.0 if orbit.kind == Kind.PITCHFORK else -1.0
+        assert np.abs(values - sign).min() < 2e-3
+
+
+def test_a_curve_that_cannot_be_begun_is_one_row():
+    """A softening spring that gives way under any forcing of that size."""
+    flow = systems.reduced(**systems.DUFFING | {"cubic": [-1.0]}).return_map()
+    (found,) = curve(flow, 50.0, 0.8, 1.2)
+    assert found.orbit.outcome == Outcome.LOST
+    assert np.isnan(found.swing.displacement).all() and np.isnan(found.multipliers).all()
