@@ -1,13 +1,14 @@
 # make         the main job: environment, then every table and figure
 # make test    environment, then all checks and tests
 # make check   environment, then what takes seconds: format, lint, types, contracts, quick tests
+# make docs    environment, then the documentation, results/docs/index.html
 # make bench   environment, then every speed comparison
 PYTHON ?= python3
 CORES ?= 2
 PORT ?= 5000
 BIN := .venv/bin
 
-.PHONY: run env environment static check test ui report lock bench
+.PHONY: run env environment static check test ui docs report lock bench
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -39,6 +40,11 @@ test: static
 ui: environment
 	@$(BIN)/python -m vibrom.tracking results/mlflow.db $(PORT)
 
+# Pages that open from disk; nothing is fetched.
+docs: environment
+	@DISABLE_MKDOCS_2_WARNING=true $(BIN)/python -m mkdocs build -q --strict
+	@echo "Next: open results/docs/index.html"
+
 report: environment
 	$(BIN)/snakemake --cores $(CORES) --report results/snakemake_report.html
 	@echo "Next: open results/snakemake_report.html"
@@ -46,7 +52,7 @@ report: environment
 # Resolve the dependencies of pyproject.toml again, for every Python that it claims.
 lock: environment
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
-	    --upgrade --group test --group bench pyproject.toml -o envs/requirements.txt
+	    --upgrade --group test --group docs --group bench pyproject.toml -o envs/requirements.txt
 	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade - -o envs/uv.txt
 	@echo "Next: 'make test' makes the environment again and tries it."

@@ -1,4 +1,4 @@
-"""README's example of a method, taken from its text and put beside the methods of the package."""
+"""The example of a method in docs/, taken from its text and put beside the methods of the package."""
 
 import re
 from pathlib import Path
@@ -7,17 +7,15 @@ import pytest
 
 import vibrom.methods
 
-README = (Path(__file__).parents[2] / "README.md").read_text()
+WALK = (Path(__file__).parents[2] / "docs/walks/method.md").read_text()
 NAME, CODE = re.search(
-    r"^### Add a method\n.*?`src/vibrom/methods/(\w+)\.py`.*?^```python\n(.*?)^```",
-    README,
-    re.DOTALL | re.MULTILINE,
+    r"`src/vibrom/methods/(\w+)\.py`.*?^```python\n(.*?)^```", WALK, re.DOTALL | re.MULTILINE
 ).groups()
 
 
 @pytest.fixture(scope="session")
 def example(tmp_path_factory):
-    """The name of README's method, which `method_from_settings` now finds."""
+    """The name of that method, which `method_from_settings` now finds."""
     folder = tmp_path_factory.mktemp("methods")
     (folder / f"{NAME}.py").write_text(CODE)
     vibrom.methods.__path__.append(str(folder))

@@ -1,6 +1,6 @@
 """What every method promises, whichever are in the folder; no method is named here.
 
-A file in src/vibrom/methods is tested by lying there. One more is the example of README: four
+A file in src/vibrom/methods is tested by lying there. One more is the example of docs/: four
 functions, and no compiled code.
 """
 
@@ -23,7 +23,7 @@ from vibrom.models.rom import Guards, Rom, rom_from_dataset
 from vibrom.models.training import Clock, MethodError, Training, Unsupported
 
 FILES = Path(__file__).parents[2] / "config/methods"
-EXAMPLE = "example of README"
+EXAMPLE = "example of docs"
 NAMES = [*plugs.names("methods"), EXAMPLE]
 RNG = np.random.default_rng(0)
 

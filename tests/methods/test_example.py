@@ -1,4 +1,4 @@
-"""README's example of a method, four functions and no compiled code, in every experiment, with
+"""The example of a method in docs/, four functions and no compiled code, in every experiment, with
 every integrator and every guard.
 """
 

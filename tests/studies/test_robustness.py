@@ -125,7 +125,7 @@ def test_a_guard_that_a_model_cannot_have_is_unsupported_and_says_why():
 
 @dataclass(frozen=True)
 class Own(Rom):
-    """The README's own example of a method: four functions, and no compiled field."""
+    """The example of a method in docs/: four functions, and no compiled field."""
 
     modes: np.ndarray = stored("kg-0.5", "modes", "mode", "dof")
 

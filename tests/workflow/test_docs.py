@@ -1,19 +1,40 @@
-"""README as a newcomer follows it: its files are written as they stand, its commands are run, and
-what they promise is there.
+"""README and the walks of docs/ as a newcomer follows them: their files are written as they stand,
+their commands and scripts are run, and what they promise is there.
 """
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 
+import numpy as np
 import pandas as pd
 import pytest
 from project_copy import ROOT, command, copy
 
-README = (ROOT / "README.md").read_text()
+PAGES = {
+    path.stem: path.read_text()
+    for path in [
+        ROOT / "README.md",
+        ROOT / "CONTRIBUTING.md",
+        *sorted((ROOT / "docs").rglob("*.md")),
+    ]
+}
+TEXT = "\n".join(PAGES.values())
+WALKS = ("method", "effect", "experiment", "study")
 # `some/file.py`:  and then the file in a fenced block
 FILE = re.compile(r"`([\w./]+\.(?:py|yaml))`:\n\n```\w+\n(.*?)```", re.DOTALL)
-OVERLAY = "config/mine.yaml"  # names all that the sections add
+# All that the walks add, at once.
+OVERLAY = """
+scenes: [folding, sprung]
+methods: [ssmlearn, ssmlearn_7, one_mode]
+experiments: [reconstruction, decay, frc, work]
+studies:
+  cost: null
+  robustness: null
+  loose_integration: {scenes: [folding], rtol: [1.0e-2, 1.0e-4]}
+"""
 COMMAND = re.compile(r"^(snakemake|make)\b(.*?)(?:\s+#.*)?$", re.MULTILINE)
 BLOCK = re.compile(r"```sh\n(.*?)```", re.DOTALL)
 
@@ -25,8 +46,8 @@ def commands(text):
 
 
 def shown():
-    """Commands in README, and in the headers of the configuration's files."""
-    found = set(commands(README))
+    """Commands in README, docs, and the headers of the configuration's files."""
+    found = set(commands(TEXT))
     for path in [*(ROOT / "config").glob("*.yaml"), ROOT / "Snakefile"]:
         for line in path.read_text().splitlines():
             comment = re.match(r"#.*?\b(snakemake --cores .*)$", line)
@@ -37,11 +58,12 @@ def shown():
 
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory):
-    """A copy of the repository with everything that README adds, after the small run of it."""
-    folder = copy(tmp_path_factory.mktemp("readme"), "src", "tests/workflow")
-    for name, text in FILE.findall(README):
+    """A copy of the repository with everything that the walks add, after the small run of it."""
+    folder = copy(tmp_path_factory.mktemp("docs"), "src", "tests/workflow")
+    for name, text in FILE.findall(TEXT):
         assert not (folder / name).exists(), f"{name} is there already"
         (folder / name).write_text(text)
+    (folder / "config/mine.yaml").write_text(OVERLAY)
     small = str(folder / "tests/workflow/small_dag.yaml")
     answer = command(
         folder,
@@ -49,7 +71,7 @@ def followed(tmp_path_factory):
         "2",
         "--configfile",
         small,
-        OVERLAY,
+        "config/mine.yaml",
         PYTHONPATH=str(folder / "src"),
     )
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
@@ -61,13 +83,9 @@ def table(folder, name):
     return pd.read_csv(folder / f"results/tables/{name}.csv", keep_default_na=False)
 
 
-def test_every_section_that_adds_something_has_its_files():
-    sections = re.findall(r"### Add an? ([\w ]+)\n(.*?)(?=\n##)", README, re.DOTALL)
-    assert {name.split()[0] for name, _ in sections} == {
-        "method", "variant", "effect", "scene", "experiment", "study", "table", "figure",
-    }  # fmt: skip
-    for name, text in sections:
-        assert FILE.search(text), f"Add a {name}: no file in it"
+@pytest.mark.parametrize("walk", WALKS)
+def test_every_walk_has_its_files(walk):
+    assert FILE.search(PAGES[walk])
 
 
 @pytest.mark.parametrize("method", ["one_mode", "ssmlearn_7"])
@@ -100,6 +118,41 @@ def test_the_new_study_has_its_table_and_its_figure(followed):
     assert sorted(set(rows["rtol"].astype(float))) == [1e-4, 1e-2]
     for form in ("svg", "pdf", "png"):
         assert (followed / f"results/figures/loose_integration.{form}").stat().st_size > 1000
+
+
+def test_the_script_about_a_fitted_model_runs_and_predicts_as_the_scores_say(followed):
+    """Its lines, one after the other; its folding beam is the small one here."""
+    script = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["python"], re.DOTALL))
+    answer = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=followed,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(followed / "src"), "MPLBACKEND": "agg"},
+    )
+    assert answer.returncode == 0, answer.stderr[-3000:]
+    decay = table(followed, "decay")
+    row = decay[(decay["case"] == "folding") & (decay["method"] == "ssmlearn")]
+    printed = float(re.search(r"decay: ([\d.]+) %", answer.stdout)[1])
+    # Three decimals are printed, and the integrator's tolerance is the default's.
+    np.testing.assert_allclose(printed, float(row["nmte_percent"].item()), rtol=1e-2, atol=1e-3)
+    assert (followed / "curve.png").stat().st_size > 1000
+
+
+def test_the_documentation_is_built_without_a_warning(tmp_path):
+    """Every link and every page of the reference; strict, without a network."""
+    answer = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "-q", "--strict", "-d", str(tmp_path / "site")],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src"), "DISABLE_MKDOCS_2_WARNING": "true"},
+    )
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    page = (tmp_path / "site/reference/experiments.html").read_text()
+    assert "times the damped first frequency" in page
+    fetched = re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=\"(?:https?:)?//[^\"]+", page)
+    assert not [tag for tag in fetched if "canonical" not in tag]
 
 
 @pytest.mark.parametrize("line", [line for line in shown() if line.startswith("snakemake")])
