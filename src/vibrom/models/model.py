@@ -47,7 +47,7 @@ class Motion:
     outcome: np.ndarray  # (b,) how each run ended
     failed_at: np.ndarray  # (b,) s, when it failed or first left the training range; NaN: never
     range_ratio: np.ndarray  # (b,) largest reduced coordinate over the largest in the training data
-    seconds: float  # wall time of the computation, loading and compilation excluded
+    seconds: float  # wall time; a first call loads and compiles too, so that jobs make a brief one
 
 
 class Model(Protocol):
