@@ -10,13 +10,13 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.config import plugs, source
 
 PLUGS = {
-    "bodies": "A body is a shape: `body.shape` of a scene names one, the other keys are its settings.",
-    "effects": "What acts on a body. A scene lists the effects it has; what it does not list is not "
-    "simulated, not imported and not compiled.",
+    "bodies": "A body is a shape: `body.shape` of a scene names one, the others are its settings.",
+    "effects": "What acts on a body. A scene lists the effects it has; what it does not list is "
+    "not simulated, not imported and not compiled.",
     "methods": "How a reduced model is made. `config/methods/<name>.yaml` lists what differs from "
     "these defaults; a variant is such a file with `method:`.",
-    "experiments": "One question, put to the full order and to every model alike. Settings stand in "
-    "a scene under `experiments.<name>`.",
+    "experiments": "One question, put to the full order and to every model alike. Settings stand "
+    "in a scene under `experiments.<name>`.",
     "studies": "Experiments repeated while something varies. Settings stand in config.yaml under "
     "`studies.<name>`.",
 }

@@ -1,4 +1,4 @@
-"""The example of a method in docs/, taken from its text and put beside the methods of the package."""
+"""The example of a method in docs/, taken from its text and put beside those of the package."""
 
 import re
 from pathlib import Path
