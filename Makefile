@@ -52,7 +52,7 @@ report: environment
 # Resolve the dependencies of pyproject.toml again, for every Python that it claims.
 lock: environment
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
-	    --upgrade --group test --group docs --group bench pyproject.toml -o envs/requirements.txt
+	    --upgrade --extra workflow --group test --group docs --group bench pyproject.toml -o envs/requirements.txt
 	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade - -o envs/uv.txt
 	@echo "Next: 'make test' makes the environment again and tries it."

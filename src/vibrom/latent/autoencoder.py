@@ -18,7 +18,8 @@ from dataclasses import dataclass
 from math import log, sqrt
 
 import numpy as np
-import torch
+
+from vibrom.latent.backend import torch
 
 Stack = torch.Tensor  # (channel, sample, dof)
 Weights = list[torch.Tensor]  # of each layer (out, in), or their gradient

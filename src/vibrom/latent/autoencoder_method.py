@@ -20,9 +20,8 @@ from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
 
 if TYPE_CHECKING:
-    import torch
-
     from vibrom.latent.autoencoder import Autoencoder
+    from vibrom.latent.backend import torch
     from vibrom.latent.learner import Dynamics
     from vibrom.latent.training import Schedule
 
@@ -125,9 +124,8 @@ class AutoencoderMethod(Method):
 
     def problem(self, training: Training) -> Problem:
         """What is to be learnt, from which samples."""
-        import torch
-
         from vibrom.latent.autoencoder import Autoencoder
+        from vibrom.latent.backend import torch
         from vibrom.latent.training import pick_device
 
         chosen = coordinates.choose(

@@ -6,7 +6,7 @@ See the section on CUDA graphs of torch's notes on CUDA semantics.
 
 from collections.abc import Callable, Sequence
 
-import torch
+from vibrom.latent.backend import torch
 
 REHEARSALS = 3  # torch's libraries take their workspace in the first calls, outside of the graph
 

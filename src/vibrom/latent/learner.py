@@ -13,9 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 
 from vibrom.latent.autoencoder import Autoencoder, Polynomial
+from vibrom.latent.backend import torch
 
 
 @dataclass(frozen=True)

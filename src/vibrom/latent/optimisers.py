@@ -23,7 +23,7 @@ al., arXiv:2409.11321 (SOAP); Golub and Van Loan, Matrix Computations, section 8
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-import torch
+from vibrom.latent.backend import torch
 
 EPSILON = 1e-8  # eps
 SHIFT = 1.0  # delta

@@ -15,9 +15,9 @@ from math import ceil, cos, pi
 from typing import Any, Literal
 
 import numpy as np
-import torch
 
 from vibrom.latent.autoencoder import Autoencoder
+from vibrom.latent.backend import torch
 from vibrom.latent.graphs import captured
 from vibrom.latent.learner import Dynamics, Learner
 from vibrom.latent.optimisers import OPTIMISERS, Optimiser

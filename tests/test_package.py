@@ -1,0 +1,76 @@
+"""The library alone: what it asks for, and what it can do without the packages of the workflow."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+EXTRAS = (
+    "torch",
+    "snakemake",
+    "mlflow",
+    "pysindy",
+    "matplotlib",
+    "jinja2",
+    "rich",
+    "yaml",
+    "psutil",
+)
+WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))\n"  # None: cannot be imported
+MODEL = """
+import numpy as np
+from scenes import THESIS, body
+from vibrom import effects
+from vibrom.bodies import space
+from vibrom.experiments import experiment
+from vibrom.methods.equations import Equations
+from vibrom.models.rom import rom_from_dataset
+from vibrom.models.rollout import Integrator, rollout
+from vibrom.models.training import Training
+
+beam = effects.assemble(space.build(body(cells=[3, 1])), THESIS)
+fitted = Equations(order=5).learn(Training((), term=beam))
+rom = rom_from_dataset(fitted.to_dataset())
+run = rollout(rom, 0.5 * rom.reach[None], np.linspace(0.0, 1.0, 5)[None], Integrator())
+experiment("branches", {"forcing": 1.0})
+print(run.outcome[0])
+"""
+
+
+def python(script, *paths):
+    code = "".join(f"sys.path.insert(0, {str(path)!r})\n" for path in paths)
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT + code + script], capture_output=True, text=True
+    )
+
+
+def test_a_model_is_made_stored_opened_and_asked_without_any_extra():
+    answer = python(MODEL, ROOT / "tests", ROOT / "src")
+    assert answer.stdout.split() == ["ok"], answer.stderr
+
+
+def test_training_without_torch_says_which_extra_has_it():
+    answer = python("import vibrom.latent.learner", ROOT / "src")
+    assert "install vibrom[train]" in answer.stderr
+
+
+def test_what_is_installed_is_said_by_one_command():
+    answer = python("from vibrom.__main__ import report\nprint(report())", ROOT / "src")
+    for word in ("rectangle", "geometric_nonlinearity", "equations", "branches", "robustness"):
+        assert word in answer.stdout
+    assert "can be trained: no: install vibrom[train]" in answer.stdout
+
+
+def test_a_wheel_holds_every_file_of_the_package(tmp_path):
+    command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*command, "-w", tmp_path, ROOT], check=True, capture_output=True)
+    with zipfile.ZipFile(next(tmp_path.glob("*.whl"))) as wheel:
+        inside = {name for name in wheel.namelist() if name.startswith("vibrom/")}
+    source = ROOT / "src"
+    there = {
+        str(path.relative_to(source))
+        for path in (source / "vibrom").rglob("*")
+        if path.is_file() and path.suffix not in (".pyc", ".nbi", ".nbc")
+    }
+    assert inside == there
