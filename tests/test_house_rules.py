@@ -18,6 +18,7 @@ LONG_FUNCTIONS: dict[str, str] = {}
 MANY_ARGUMENTS: dict[str, str] = {
     "solvers/full/newmark.py:Newmark.run": "a motion: four are needed, the others have defaults",
     "steps/ask.py:run": "the named inputs and parameters of a rule",
+    "steps/fit.py:run": "the named inputs and parameters of a rule",
 }
 
 

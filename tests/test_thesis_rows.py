@@ -39,6 +39,7 @@ def case(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp(request.param)
     scene = settings.load(CONFIG).scenes[request.param].to_builtins()
     path = {name: str(folder / f"{name}.nc") for name in ("structure", "release", "train", "test")}
+    scene["record"]["finer"] = 0  # no converged decay
     given = {"scene": scene, "provenance": {}}
     structure_step.run(structure=path["structure"], name=request.param, **given)
     release.run(structure=path["structure"], release=path["release"], **given)

@@ -53,6 +53,7 @@ def fit(rom, method="exact", seed=None, outcome="ok"):
     stored = rom.to_dataset()
     record = stored.assign(
         outcome=variable((), outcome, "1", "fit"),
+        data_seconds=variable((), 1.0, "s", "data"),
         mapping_seconds=variable((), 3.0, "s", "mapping"),
         dynamics_seconds=variable((), 0.5, "s", "dynamics"),
     )

@@ -42,12 +42,13 @@ def test_errors_of_a_curve_by_hand():
     truth = np.array([1.0, 2.0, 4.0, np.nan])
     whole = curve_error(np.array([1.1, 1.9, 4.8, 1.0]), truth)
     assert (whole.median_percent, whole.completed) == (pytest.approx(10.0), 4)
+    assert whole.largest_percent == pytest.approx(20.0)
     assert np.isnan(whole.peak_percent)  # of a truth with a gap
     truth = truth[:3]
     peak = curve_error(np.array([1.0, 4.4, 4.0]), truth)
     assert (peak.peak_percent, peak.peak_steps) == (pytest.approx(10.0), 1)
     lost = curve_error(np.array([1.0, np.nan, np.nan]), truth)
-    assert (lost.median_percent, lost.completed) == (np.inf, 1)
+    assert (lost.median_percent, lost.largest_percent, lost.completed) == (np.inf, np.inf, 1)
 
 
 def test_crossings_of_a_line_are_exact():

@@ -88,6 +88,7 @@ def record() -> xr.Dataset:
             "velocity": variable(dims, v, "m s-1", "velocity"),
             "acceleration": variable(dims, a, "m s-2", "acceleration"),
             "probe_displacement": variable(("probe", "time"), q.T, "m", "at the probes"),
+            "converged_displacement": variable(dims, q, "m", "displacement without errors in time"),
             "period": variable((), 2 * np.pi / DAMPED, "s", "period"),
             **outcome_variables("ok", seconds=1.0),
         },
@@ -104,6 +105,7 @@ def fitted() -> xr.Dataset:
     return xr.Dataset(
         {
             "outcome": variable((), "ok", "1", "fit"),
+            "data_seconds": variable((), 0.5, "s", "fit"),
             "mapping_seconds": variable((), 3.0, "s", "fit"),
             "dynamics_seconds": variable((), 0.1, "s", "fit"),
         }

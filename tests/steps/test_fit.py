@@ -73,7 +73,7 @@ def run(folder, **changes):
     return open_dataset(paths["rom"], "rom"), open_dataset(paths["losses"], "losses")
 
 
-def test_the_time_of_a_method_without_phases_is_counted(folder, monkeypatch):
+def test_the_time_of_a_method_without_phases_is_counted(beam, folder, monkeypatch):
     """It is measured around the fit: a method need not mark anything."""
 
     def slowly(self, training, own=ModalProjection.fit):
@@ -86,7 +86,26 @@ def test_the_time_of_a_method_without_phases_is_counted(folder, monkeypatch):
     monkeypatch.setattr(ModalProjection, "fit", slowly)
     rom, losses = run(folder)
     assert 0.2 <= float(rom["mapping_seconds"]) < 2.0 and float(rom["dynamics_seconds"]) == 0.0
+    assert float(rom["data_seconds"]) == float(beam.train["seconds"]) > 0.0
     assert losses.sizes["epoch"] == 0 and rom.attrs["rom"].endswith(":PolynomialRom")
+
+
+def test_a_quick_fit_counts_with_its_shortest_time(folder, monkeypatch):
+    """Three fits, of which the second is the quickest; with a seed there is one."""
+    waits = [0.08, 0.02, 0.05]
+
+    def slowly(self, training, own=ModalProjection.fit):
+        import time
+
+        time.sleep(waits.pop(0))
+        return own(self, training)
+
+    monkeypatch.setattr(ModalProjection, "fit", slowly)
+    rom, _ = run(folder)
+    assert 0.02 <= float(rom["mapping_seconds"]) + float(rom["dynamics_seconds"]) < 0.05
+    waits = [0.1]
+    run(folder, seed=0)
+    assert not waits
 
 
 def test_a_diverged_training_is_stored_as_such(folder, monkeypatch):

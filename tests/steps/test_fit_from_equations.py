@@ -38,5 +38,5 @@ def test_it_is_fitted_or_says_why_not(tmp_path, effects):
         assert "effects.stop" in found.attrs["reason"]
     else:
         assert str(found["outcome"].item()) == "ok"
-        assert float(found["mapping_seconds"]) > 0.0
+        assert float(found["mapping_seconds"]) > 0.0 == float(found["data_seconds"])
         assert (rom_from_dataset(found).reach > 0.0).all()

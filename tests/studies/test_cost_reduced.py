@@ -129,8 +129,10 @@ def test_shares_of_the_training_decay(case):
     half = fits.of(recipe(case, "ssmlearn_2", {"periods": two_dofs.PERIODS // 2}))
     assert half.data == pytest.approx(0.5)
     assert fits.of(recipe(case, "ssmlearn_2", {"thin": 3})).data == 1.0
-    whole = fits.selected(recipe(case, "ssmlearn_2", {}))[0]
-    thin = fits.selected(recipe(case, "ssmlearn_2", {"thin": 3, "periods": 1}))[0]
+    (whole,), (thin,) = (
+        fits.motion(recipe(case, "ssmlearn_2", changes))[0].trajectories
+        for changes in ({}, {"thin": 3, "periods": 1})
+    )
     assert len(thin.time) == -(-two_dofs.SAMPLES // 3) and thin.time[1] == whole.time[3]
 
 

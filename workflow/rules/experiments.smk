@@ -33,8 +33,6 @@ def artefact(experiment, need, model):
 def reads(experiment, model):
     """The inputs of an experiment by name, for the model in this folder."""
     wanted = EXPERIMENTS[experiment]["reads"]
-    if model == settings.FULL_ORDER:
-        wanted = [need for need in wanted if need not in RECORDED]
     found = {need: artefact(experiment, need, model) for need in wanted}
     return {need: path for need, path in found.items() if path is not None}
 

@@ -158,6 +158,7 @@ def main(job):
     arrays, mapping, dynamics = fit(structure, train, **settings)
     arrays |= {
         "outcome": ((), "ok", "how the fit ended", "1"),
+        "data_seconds": ((), float(train["seconds"]), "wall time of the training data", "s"),
         "mapping_seconds": ((), mapping, "wall time of obtaining the mapping", "s"),
         "dynamics_seconds": ((), dynamics, "wall time of obtaining the dynamics", "s"),
     }

@@ -50,6 +50,8 @@ class Record(Block, frozen=True):
     periods: Count  # of the damped first mode
     # of velocity and acceleration: differences of the displacements, or the integrator's own
     derivatives: Literal["differences", "integrator"] = "differences"
+    # time steps of the converged test decay to each of the scene's; 0: there is none
+    finer: Annotated[int, Meta(ge=0, multiple_of=2)] = 2
 
 
 class Time(Block, frozen=True):

@@ -31,6 +31,7 @@ class ResponseCurve(Experiment):
     scores = {
         "completed": "1",
         "amplitude_error_median_percent": "percent",
+        "amplitude_error_largest_percent": "percent",
         "peak_error_percent": "percent",
     }
     truth = "frc"
@@ -84,5 +85,6 @@ class ResponseCurve(Experiment):
         return {
             "completed": float(error.completed),
             "amplitude_error_median_percent": error.median_percent,
+            "amplitude_error_largest_percent": error.largest_percent,
             "peak_error_percent": error.peak_percent,
         }

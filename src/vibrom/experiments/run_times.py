@@ -17,7 +17,7 @@ from vibrom.models.model import Model
 
 # score -> the answer that it is read from, and the variable there
 SOURCES = {
-    "generate_training_data_s": ("train", "seconds"),
+    "generate_training_data_s": ("fit", "data_seconds"),
     "obtain_mapping_s": ("fit", "mapping_seconds"),
     "obtain_dynamics_s": ("fit", "dynamics_seconds"),
     "decay_s": ("decay", "seconds"),
@@ -38,7 +38,7 @@ class RunTimes(Experiment):
         "forced_s": "s",
         "frc_s": "s",
     }
-    reads = ("train", "fit", "decay", "forced", "frc")
+    reads = ("fit", "decay", "forced", "frc")
     of_model = False
 
     def ask(self, model: Model | None, given: Given) -> xr.Dataset:

@@ -6,7 +6,7 @@ they are left alone; instants that are watched lie on those steps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from vibrom.term import Term
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
+CLOSE = 1e-9  # relative residual; rounding allows no less
 ON_STEP = 1e-6  # of a step: farther from one an instant is not on the grid
 
 
@@ -110,6 +111,15 @@ class FullOrder:
             probes=self.probes,
             rest=self.rest,
             symmetry=next((mirror for mirror in mirrors if holds(mirror, self.term)), None),
+        )
+
+    def with_steps(self, steps: int) -> FullOrder:
+        """The model without numerical damping, closely solved and started in balance, with so many
+        steps to a period.
+        """
+        newmark = Newmark(alpha=0.0, tolerance=CLOSE)
+        return replace(
+            self, newmark=newmark, steps_per_period=steps, initial_acceleration="equilibrium"
         )
 
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:

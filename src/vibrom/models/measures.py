@@ -50,6 +50,7 @@ class CurveError:
     """A response curve against the true one, point by point at the same frequencies."""
 
     median_percent: float  # median of |A/A_true - 1|; infinite where more than half have no value
+    largest_percent: float  # of the same; infinite where a point has no value
     peak_percent: float  # A_max/A_true,max - 1, with its sign; NaN for a curve with gaps
     peak_steps: float  # frequencies between the two peaks; NaN for a curve with gaps
     completed: int  # points with a value
@@ -62,17 +63,18 @@ def curve_error(amplitude: np.ndarray, truth: np.ndarray) -> CurveError:
     is nothing to compare with. Models fail at the peak first, so that a curve with gaps has no
     peak.
     """
-    known = np.isfinite(truth)
+    known, nan = np.isfinite(truth), float("nan")
     completed = int(np.isfinite(amplitude).sum())
     if not known.any():
-        return CurveError(float("nan"), float("nan"), float("nan"), completed)
+        return CurveError(nan, nan, nan, nan, completed)
     error = 100.0 * np.abs(amplitude[known] / truth[known] - 1.0)
-    median = float(np.median(np.where(np.isfinite(error), error, np.inf)))
+    error = np.where(np.isfinite(error), error, np.inf)
+    median, largest = float(np.median(error)), float(error.max())
     if not (np.isfinite(amplitude).all() and known.all()):
-        return CurveError(median, float("nan"), float("nan"), completed)
+        return CurveError(median, largest, nan, nan, completed)
     peak = float(100.0 * (amplitude.max() / truth.max() - 1.0))
     steps = float(abs(int(amplitude.argmax()) - int(truth.argmax())))
-    return CurveError(median, peak, steps, completed)
+    return CurveError(median, largest, peak, steps, completed)
 
 
 def crossings(time: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

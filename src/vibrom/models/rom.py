@@ -208,7 +208,8 @@ def rom_from_dataset(dataset: xr.Dataset) -> Rom:
     the field and with units and long_name, and an attribute `rom_<field>` for each string or number
     that differs from its default. A field that may be None may be left out. An artefact of the
     workflow also has the attributes `kind` (`rom`), `scene`, `method`, `seed` (-1: none) and
-    `reason` (empty), and the variables `outcome` (`ok`), `mapping_seconds` and `dynamics_seconds`.
+    `reason` (empty), and the variables `outcome` (`ok`), `data_seconds`, `mapping_seconds` and
+    `dynamics_seconds`.
     """
     cls, values, missing = _class(str(dataset.attrs.get("rom", ""))), {}, []
     for item in dataclasses.fields(cls):

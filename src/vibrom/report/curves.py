@@ -1,4 +1,4 @@
-"""Forced response curves: how each point ended, and the amplitude error of a model's curves."""
+"""Forced response curves: how each point ended, and the amplitude errors of a model's curves."""
 
 from collections.abc import Iterable
 
@@ -23,15 +23,23 @@ def outcomes(curve: xr.Dataset, points: int) -> list[Outcome]:
     return [Outcome(word) for word in words]
 
 
-def amplitude_error(amplitudes: Iterable[np.ndarray], truth: np.ndarray | None) -> Spread:
-    """Median over the frequencies of each seed's curve (k,) against the full order's [%]."""
+def amplitude_errors(
+    amplitudes: Iterable[np.ndarray], truth: np.ndarray | None
+) -> tuple[Spread, Spread]:
+    """Median and largest over the frequencies of each seed's curve (k,) against the full order's
+    [%].
+    """
     if truth is None:
-        return NO_SPREAD
-    return spread((curve_error(seed, truth).median_percent for seed in amplitudes), worst=True)
+        return NO_SPREAD, NO_SPREAD
+    errors = [curve_error(seed, truth) for seed in amplitudes]
+    return (
+        spread((error.median_percent for error in errors), worst=True),
+        spread((error.largest_percent for error in errors), worst=True),
+    )
 
 
 def error_of(collection: Collection, scene: str, method: str) -> Spread:
-    """The same of a model of the run."""
+    """The median of a model of the run."""
     truth = collection.find(scene, FULL_ORDER, "frc")
     curves = [curve for curve in collection.every(scene, method, "frc") if curve is not None]
     if truth is None or not curves:
@@ -39,7 +47,7 @@ def error_of(collection: Collection, scene: str, method: str) -> Spread:
     known = at_probe(truth, "amplitude")
     lost = np.full(known.shape, np.nan)
     amplitudes = (at_probe(curve, "amplitude") if answered(curve) else lost for curve in curves)
-    return amplitude_error(amplitudes, known)
+    return amplitude_errors(amplitudes, known)[0]
 
 
 def finished(curve: xr.Dataset) -> str:

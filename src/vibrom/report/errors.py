@@ -27,6 +27,7 @@ THESIS = (
     ),
     *hidden("thesis_outcome"),
 )
+CONVERGED = Column("converged_nmte_percent", "NMTE, converged [%]", spread=True)
 AMPLITUDE = Column("amplitude_error_percent", "Amplitude error [%]", spread=True)
 TIMES = (
     Column("failed_at_s", "First failure [s]"),
@@ -51,10 +52,16 @@ def rows(
             run = collection.find(scene, FULL_ORDER, reference)
             zero = ZERO if outcome(run) is Outcome.OK else NO_SPREAD
             row |= zero.columns("nmte_percent") | zero.columns("amplitude_error_percent")
+            own = float(scalar(run, "converged_nmte"))
+            row |= Spread(own, own, own).columns("converged_nmte_percent")
             row |= {"thesis_outcome": "", "outcome": outcome(run)}
             row |= first_times([run])
         else:
-            error = scores.spread(scene, model, experiment, "nmte_percent")
+            error, converged = (
+                scores.spread(scene, model, experiment, f"{against}nmte_percent")
+                for against in ("", "converged_")
+            )
+            row |= converged.columns("converged_nmte_percent")
             # It has a sign, and so no worst side.
             amplitude = scores.spread(
                 scene, model, experiment, "amplitude_error_percent", worst=False

@@ -2,8 +2,14 @@
 rest.
 
 Velocity and acceleration are the integrator's, or differences of the displacements as for measured
-data (`record.derivatives`).
+data (`record.derivatives`). Beside the test decay stands what it would be without errors of the
+time integration: from the same first state, without numerical damping, by Richardson's
+extrapolation of two steps h and h/2 (`record.finer`):
+
+    q = (4 q_(h/2) - q_h) / 3
 """
+
+from __future__ import annotations
 
 from typing import Any
 
@@ -17,8 +23,11 @@ from vibrom.artefacts.data import (
     save_dataset,
     variable,
 )
+from vibrom.artefacts.outcome import Outcome
 from vibrom.config.scene import Record, Time
 from vibrom.models.full_order import FullOrder
+from vibrom.models.measures import nmte_percent
+from vibrom.models.model import Watch
 from vibrom.models.recorded import differences
 from vibrom.solvers.full.newmark import Record as Kept
 
@@ -63,6 +72,8 @@ def run(
             "probe": known["probe"].variable,
         },
     )
+    if role == "test" and record.finer and motion.outcomes == [Outcome.OK]:
+        dataset = dataset.assign(without_errors(model, record.finer, dataset))
     dataset = label(
         dataset,
         "trajectory",
@@ -74,3 +85,27 @@ def run(
         factorisations=motion.factorisations,
     )
     save_dataset(dataset, trajectory, provenance)
+
+
+def without_errors(model: FullOrder, finer: int, own: xr.Dataset) -> dict[str, xr.Variable]:
+    """The converged motion beside a recorded one, and the error of that."""
+    q, v = own["displacement"].values, own["velocity"].values
+    truth = converged(model, finer, np.concatenate([q[0], v[0]]), own["time"].values)
+    return {
+        "converged_displacement": variable(
+            ("time", "dof"), truth, "m", "displacement without errors in time"
+        ),
+        "converged_nmte": variable(
+            (), nmte_percent(truth, q), "percent", "NMTE of the recorded decay against it"
+        ),
+    }
+
+
+def converged(model: FullOrder, finer: int, state: np.ndarray, instants: np.ndarray) -> np.ndarray:
+    """The displacement (m, n) at these instants (m,) from a state (2n,) at the first of them."""
+    watch = Watch(instants - instants[0])
+    coarse, fine = (
+        model.with_steps(steps * model.steps_per_period).motion(state[None], None, watch)
+        for steps in (finer // 2, finer)
+    )
+    return (4.0 * fine.displacement[0][0] - coarse.displacement[0][0]) / 3.0

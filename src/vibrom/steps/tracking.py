@@ -53,7 +53,7 @@ def _model(
     }
     seconds = {
         f"fit/{name}": float(rom[name])
-        for name in ("mapping_seconds", "dynamics_seconds")
+        for name in ("data_seconds", "mapping_seconds", "dynamics_seconds")
         if name in rom
     }
     made_by = {

@@ -10,9 +10,9 @@ of those experiments: NMTE, NMTE of the last period, median error of the amplitu
 does not go with the method's other settings is `skipped`.
 
 Offline seconds are those of the training data, the mapping (that of a model to start from included)
-and the dynamics; online ones those of one answer. What the study measures itself are medians of
-repeated calls, after one that compiles; what takes long is not repeated, `calls` and `fits` say how
-often.
+and the dynamics, a method that is made from the equations of motion having no training data; online
+ones those of one answer. What the study measures itself are medians of repeated calls, after one
+that compiles; what takes long is not repeated, `calls` and `fits` say how often.
 """
 
 from __future__ import annotations
@@ -77,8 +77,7 @@ def made(study: Cost, case: Case) -> xr.Dataset:
         for sweep in sweeps
         for value in sweep.over
     ]
-    data = float(case.full_order["train"]["seconds"])
-    records = [configured(model, data) for model in case.fitted]
+    records = [configured(model) for model in case.fitted]
     title = f"{case.structure.attrs['scene']}: what the methods cost"
     with bar(title, len(wanted), "settings") as advance:
         for record in varied(study, case, wanted):
@@ -90,16 +89,14 @@ def made(study: Cost, case: Case) -> xr.Dataset:
     )
 
 
-def configured(model: Fitted, data: float) -> dict[str, Any]:
-    """A model of the run whose training data took `data` seconds, and its answers as the run has
-    them.
-    """
+def configured(model: Fitted) -> dict[str, Any]:
+    """A model of the run, and its answers as the run has them."""
     about = {
         "model": model.record.attrs["method"],
         "model_seed": int(model.record.attrs["seed"]),
         "varied": CONFIGURED,
     }
-    return about | Fit.of_run(model, data).record | entries(known(model), QUESTIONS)
+    return about | Fit.of_run(model).record | entries(known(model), QUESTIONS)
 
 
 def known(model: Fitted) -> dict[str, Measured]:

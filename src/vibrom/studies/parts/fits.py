@@ -1,4 +1,6 @@
-"""Models that a study fits to the training decay of a scene, each recipe once."""
+"""Models that a study fits to the training decay of a scene, or to its equations of motion, each
+recipe once.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,7 @@ import json
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from statistics import median
 from typing import Any
 
@@ -13,12 +16,14 @@ import numpy as np
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.methods import method_from_settings
+from vibrom.models.full_order import FullOrder
 from vibrom.models.method import Method
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rom import Rom, rom_from_dataset
 from vibrom.models.training import Clock, MethodError, Training, TrainingDiverged, Trajectory
 from vibrom.studies import Case, Fitted
 from vibrom.studies.parts.timing import Measured, repeated
+from vibrom.term import Term
 
 
 @dataclass(frozen=True)
@@ -58,13 +63,13 @@ class Fit:
     answers: Mapping[str, Measured] = field(default_factory=dict)  # that are known
 
     @classmethod
-    def of_run(
-        cls, model: Fitted, data: float, answers: Mapping[str, Measured] | None = None
-    ) -> Fit:
-        """A model of the run whose training data took `data` seconds."""
+    def of_run(cls, model: Fitted, answers: Mapping[str, Measured] | None = None) -> Fit:
+        """A model of the run."""
         record, outcome = model.record, model.outcome
         rom = rom_from_dataset(record) if outcome.has_value else None
-        mapping, dynamics = (float(record[f"{part}_seconds"]) for part in ("mapping", "dynamics"))
+        data, mapping, dynamics = (
+            float(record[f"{part}_seconds"]) for part in ("data", "mapping", "dynamics")
+        )
         return cls(rom, outcome, data, mapping, dynamics, answers=answers or {})
 
     @property
@@ -82,15 +87,12 @@ class Fits:
         train = case.full_order["train"]
         self.seconds, self.period = float(train["seconds"]), float(train["period"])
         self.recorded = Outcome(str(train["outcome"].item())).has_value
-        self.motion = trajectory(train)
-        self.training = Training(
-            (self.motion,), structure(case.structure), seed=case.seed, device=case.device
-        )
+        self.record, self.case = trajectory(train), case
         self.known: dict[str, Fit] = {}
 
     def add(self, recipe: Recipe, model: Fitted, answers: Mapping[str, Measured]) -> None:
         """A model that the run has fitted."""
-        self.known[recipe.key] = Fit.of_run(model, self.seconds, answers)
+        self.known[recipe.key] = Fit.of_run(model, answers)
 
     def of(self, recipe: Recipe) -> Fit:
         """The model of a recipe; `skipped` where its settings do not go together."""
@@ -100,18 +102,19 @@ class Fits:
             return self.known[recipe.key]
         except MethodError as error:
             print(f"{recipe.kind}: {dict(recipe.settings)} is skipped: {error}", file=sys.stderr)
-            return Fit(None, Outcome.SKIPPED, self.selected(recipe)[1])
+            return Fit(None, Outcome.SKIPPED)
 
     def fit(self, recipe: Recipe) -> Fit:
         """Medians of a few fits; mapping and dynamics together are all that a fit takes."""
-        motion, data = self.selected(recipe)
+        method = recipe.method()
+        training, data = self.equations(recipe) if method.of_equations else self.motion(recipe)
         start = None if recipe.start is None else self.of(recipe.start)
         fit = Fit(None, Outcome.OK, data, 0.0 if start is None else start.mapping)
-        if not self.recorded:
+        if not self.recorded and training.trajectories:
             return replace(fit, outcome=Outcome.REFERENCE_FAILED)
         if start is not None and start.rom is None:
             return replace(fit, outcome=start.outcome)
-        training = replace(self.training, trajectories=(motion,), start=start and start.rom)
+        training = replace(training, start=start and start.rom)
         clocks: list[Clock] = []
 
         def call() -> tuple[Rom, float]:
@@ -119,9 +122,8 @@ class Fits:
             rom = method.learn(replace(training, monitor=clocks[-1]))
             return rom, clocks[-1].spent("total")
 
-        method = recipe.method()
         try:
-            method.prepare(self.training.device)
+            method.prepare(training.device)
             rom, total, fits = repeated(call, self.repeats, self.patience)
         except TrainingDiverged:
             return replace(fit, outcome=Outcome.TRAINING_DIVERGED)
@@ -129,15 +131,29 @@ class Fits:
         mapping = fit.mapping + total - dynamics
         return replace(fit, rom=rom, mapping=mapping, dynamics=dynamics, fits=fits)
 
-    def selected(self, recipe: Recipe) -> tuple[Trajectory, float]:
+    def _training(self, *motion: Trajectory, term: Term | None = None) -> Training:
+        case = self.case
+        known = structure(case.structure)
+        return Training(motion, known, seed=case.seed, device=case.device, term=term)
+
+    def equations(self, recipe: Recipe) -> tuple[Training, float]:
+        """The equations of motion, which no seconds were spent on."""
+        if recipe.thin != 1 or recipe.periods is not None:
+            raise MethodError("the method has no training data; vary its own settings")
+        return self._training(term=self._term), 0.0
+
+    @cached_property
+    def _term(self) -> Term:
+        return FullOrder.of_scene(dict(self.case.scene), self.case.structure).term
+
+    def motion(self, recipe: Recipe) -> tuple[Training, float]:
         """The training motion that is used, and the seconds that its simulation took."""
-        time, share = self.motion.time - self.motion.time[0], 1.0
+        time, share = self.record.time - self.record.time[0], 1.0
         end = len(time)
         if recipe.periods is not None:
             length = recipe.periods * self.period
             end, share = max(2, int(np.searchsorted(time, length))), min(1.0, length / time[-1])
         kept = slice(0, end, recipe.thin)
         parts = ("time", "displacement", "velocity", "acceleration")
-        return Trajectory(*(getattr(self.motion, name)[kept] for name in parts)), (
-            share * self.seconds
-        )
+        motion = Trajectory(*(getattr(self.record, name)[kept] for name in parts))
+        return self._training(motion), share * self.seconds
