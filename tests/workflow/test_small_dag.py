@@ -13,10 +13,11 @@ from vibrom.artefacts.data import KINDS, open_dataset
 from vibrom.report import outputs
 
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
-FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
+FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal", "equations")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures"}
 COST = {"cost_models", "cost_tables", "cost_figures"}
+TRUST = {"trust_models", "trust_tables", "trust_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "report", "tracking", "headline", "all"}
 
 
@@ -197,7 +198,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
         {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1},
         dict.fromkeys((*EXPERIMENTS, "robustness_model"), 2),
     )
-    shown = SINKS | COST | ROBUSTNESS - {"robustness_model"}
+    shown = SINKS | COST | TRUST | ROBUSTNESS - {"robustness_model"}
     assert jobs == {**fits, **asked, **dict.fromkeys(shown, 1)}
     assert run.planned() == {}
 
@@ -208,7 +209,7 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(f"{before}settings: {{order: 2}}\n")
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *ROBUSTNESS, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *TRUST, *ROBUSTNESS, *SINKS}
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):

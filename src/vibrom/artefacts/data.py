@@ -30,6 +30,7 @@ KINDS: dict[str, frozenset[str]] = {
     "cost_full_order": frozenset({"study", "error", "seconds", "outcome", "reference_error"}),
     "cost_reduced": frozenset({"varied", "error", "seconds", "outcome", "mapping_seconds"}),
     "robustness": frozenset({"outcome", "failed_at"}),
+    "trust": frozenset({"model", "error", "outcome"}),
     "rom": frozenset({"outcome"}),
     "losses": frozenset({"train_total"}),
 }

@@ -1,0 +1,118 @@
+"""How well models obey the equations of motion, before any truth is seen.
+
+    e = |(K + df/dq + omega^2 M)^-1 r| / max |q|,    r the residual of the model's own motion
+
+(`models.trust`). It is evaluated along ellipses of growing amplitude, where one reduced oscillator
+moves, and in the first period of the model's own decay from the test release. A model is trusted up
+to the largest displacement at which e stays within a tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import xarray as xr
+from msgspec import Meta
+
+from vibrom.artefacts.data import UNSEEDED, variable
+from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Positive, Tolerance
+from vibrom.models.full_order import FullOrder
+from vibrom.models.rollout import Integrator, rollout
+from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.trust import PHASES, Residual, ellipse, equation_error, trusted
+from vibrom.studies import Case, Fitted, Study
+from vibrom.studies.parts.records import Column, stacked, text
+
+AMPLITUDE = ("amplitude",)
+COLUMNS = {
+    "model": Column("1", "method", missing=""),
+    "model_seed": Column("1", "seed, -1 where it is fitted once"),
+    "outcome": Column("1", "how the fit ended", missing=Outcome.NOT_RUN),
+    "error": Column("percent", "error of the equations of motion", AMPLITUDE),
+    "displacement": Column("m", "largest displacement of the ellipse", AMPLITUDE),
+    "probe_displacement": Column("m", "the same of the first probe", AMPLITUDE),
+    "trusted_displacement": Column("m", "largest displacement up to which the model is trusted"),
+    "trusted_probe_displacement": Column("m", "the same of the first probe"),
+    "release_error": Column("percent", "error in the first period of the test decay"),
+    "release_displacement": Column("m", "largest displacement of that period"),
+}
+
+
+@dataclass(frozen=True)
+class Trust(Study):
+    """Amplitudes are multiples of the largest one in the training data, or, of a model that has
+    none, of what it is trusted to by itself.
+    """
+
+    amplitudes: Annotated[list[Positive], Meta(min_length=1)]  # ascending; none is tried beyond
+    tolerance: Tolerance  # of e
+
+    jobs = {"models": "trust"}
+    reads = {"models": ("full_order/release",)}
+
+    def of_models(self, case: Case) -> xr.Dataset:
+        """One entry a model."""
+        full = FullOrder.of_scene(dict(case.scene), case.structure)
+        records = list(self._records(case, full, Residual(full.term)))
+        count = len(self.amplitudes)
+        multiples = np.array(self.amplitudes)
+        return xr.Dataset(
+            stacked(records, {"fit": len(records)}, COLUMNS, {AMPLITUDE[0]: count}),
+            coords={
+                AMPLITUDE[0]: variable(AMPLITUDE[0], multiples, "1", "amplitude over the range"),
+                "fit": text("fit", range(len(records)), "number of the fit"),
+            },
+            attrs={"tolerance": self.tolerance},
+        )
+
+    def _records(self, case: Case, full: FullOrder, residual: Residual) -> Iterator[dict[str, Any]]:
+        shape = case.full_order["release"]["displacement"].sel(role="test").values
+        start = np.concatenate([shape, np.zeros_like(shape)])
+        for model in case.fitted:
+            record = {
+                "model": model.record.attrs["method"],
+                "model_seed": int(model.record.attrs.get("seed", UNSEEDED)),
+                "outcome": model.outcome,
+            }
+            if model.outcome.has_value:
+                with np.errstate(all="ignore"):
+                    record |= self._measured(case, full, residual, start, model)
+            yield record
+
+    def _measured(
+        self, case: Case, full: FullOrder, residual: Residual, start: np.ndarray, model: Fitted
+    ) -> dict[str, Any]:
+        rom = rom_from_dataset(model.record)
+        probe = full.probes[0]
+
+        def error(amplitude: float) -> float:
+            return equation_error(residual, rom, ellipse(rom.reach, 0, amplitude))
+
+        def largest(amplitude: float) -> tuple[float, float]:
+            return swing(rom, ellipse(rom.reach, 0, amplitude), probe)
+
+        found = np.array([largest(amplitude) for amplitude in self.amplitudes])
+        amplitude = trusted(error, self.tolerance, max(self.amplitudes))
+        up_to = largest(amplitude)
+        times = full.period * np.arange(PHASES) / PHASES
+        decay = rollout(rom, rom.encode(start[None]), times[None], Integrator(**case.integrator))
+        states = decay.reduced[0]
+        return {
+            "error": 100.0 * np.array([error(amplitude) for amplitude in self.amplitudes]),
+            "displacement": found[:, 0],
+            "probe_displacement": found[:, 1],
+            "trusted_displacement": up_to[0],
+            "trusted_probe_displacement": up_to[1],
+            "release_error": 100.0 * equation_error(residual, rom, states),
+            "release_displacement": swing(rom, states, probe)[0],
+        }
+
+
+def swing(rom: Rom, z: np.ndarray, probe: int) -> tuple[float, float]:
+    """Largest displacement of all, and of a probe [m], of states z (m, 2d)."""
+    q = np.abs(rom.displacement(z))
+    return float(q.max()), float(q[:, probe].max())
