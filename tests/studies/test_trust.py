@@ -18,7 +18,7 @@ OFF = 0.06  # of the squared frequencies
 
 @pytest.fixture(scope="module")
 def made():
-    """An exact model, one of six percent more stiffness, and one that was not fitted."""
+    """An exact model, one six percent too stiff, one that was not fitted."""
     exact = two_dofs.rom()
     stiffer = exact.dynamics.copy()
     stiffer[2:, :2] *= 1 + OFF

@@ -24,6 +24,7 @@ from vibrom.artefacts.data import (
     variable,
 )
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Record, Time
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import nmte_percent
@@ -78,7 +79,7 @@ def run(
         dataset,
         "trajectory",
         scene=str(known.attrs["scene"]),
-        method="full_order",
+        method=FULL_ORDER,
         role=role,
         derivatives=record.derivatives,
         iterations=motion.iterations,

@@ -17,7 +17,8 @@ import numpy as np
 import xarray as xr
 from msgspec import Meta
 
-from vibrom.artefacts.data import UNSEEDED, variable
+from vibrom.artefacts.data import variable
+from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Positive, Tolerance
 from vibrom.models.full_order import FullOrder
@@ -75,7 +76,7 @@ class Trust(Study):
         for model in case.fitted:
             record = {
                 "model": model.record.attrs["method"],
-                "model_seed": int(model.record.attrs.get("seed", UNSEEDED)),
+                "model_seed": int(model.record.attrs.get("seed", FITTED_ONCE)),
                 "outcome": model.outcome,
             }
             if model.outcome.has_value:

@@ -8,7 +8,7 @@ method is drawn: the median one by decay NMTE.
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.artefacts.data import UNSEEDED
+from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.drawing import panels, style
 from vibrom.thesis.labels import label
@@ -32,7 +32,7 @@ def draw(collection, scores, scene=None) -> Figure:
             continue
         methods = list(dict.fromkeys(study["model"].values.tolist()))
         for method, look in style.looks(methods).items():
-            seeds = [None if seed == UNSEEDED else int(seed) for seed in seeds_of(study, method)]
+            seeds = [None if seed == FITTED_ONCE else int(seed) for seed in seeds_of(study, method)]
             seed = scores.median_seed(name, method, seeds)
             one = study.isel(fit=study["model"].values == method).isel(fit=seeds.index(seed))
             points = one["displacement"].values, one["error"].values
