@@ -20,6 +20,7 @@ of the forcing, which keeps them in their range and the work whole. "As four fun
 without compiled code: the compiled loop then calls its numpy functions for eight runs at once.
 """
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -113,7 +114,8 @@ def measure(note) -> Iterator[Row]:
     frequency = truth["angular_frequency"].values
     period = (2 * np.pi / frequency)[:, None]
     drive = Drive(known["load"].values, np.full(len(frequency), float(truth["forcing"])), frequency)
-    sweep = Sweep(drive, period * (truth.attrs["periods"] - 1 + np.arange(SAMPLES) / SAMPLES))
+    periods = json.loads(truth.attrs["settings"])["experiment"]["periods"]
+    sweep = Sweep(drive, period * (periods - 1 + np.arange(SAMPLES) / SAMPLES))
     for method, path in models.items():
         rom = rom_from_dataset(open_dataset(path, "rom"))
         yield from _sweep(method, rom, sweep, note)

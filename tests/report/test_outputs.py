@@ -67,7 +67,7 @@ def rewrite(path, old, new):
 
 
 def test_families_and_their_outputs_stand_in_reading_order():
-    assert outputs.families() == ["models", "cost", "ablation", "robustness"]
+    assert outputs.families() == ["models", "cost", "ablation", "robustness", "trust"]
     assert outputs.tables("models")[:4] == ["beam", "eigenvalues", "reconstruction", "decay"]
     assert list(outputs.figures("models", ["a", "b"]))[:2] == ["accuracy_cost", "configurations"]
     assert {"decay_a", "decay_b"} <= set(outputs.figures("models", ["a", "b"]))

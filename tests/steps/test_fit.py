@@ -55,6 +55,7 @@ def folder(beam, tmp_path):
 def changed(folder, change):
     """Writes train.nc again as `change` makes it."""
     train = xr.load_dataset(folder / "train.nc")
+    del train.attrs["content"]  # as an outside tool would write it
     change(train).to_netcdf(folder / "train.nc", mode="w")
 
 
@@ -92,7 +93,7 @@ def test_the_time_of_a_method_without_phases_is_counted(beam, folder, monkeypatc
 
 def test_a_quick_fit_counts_with_its_shortest_time(folder, monkeypatch):
     """Three fits, of which the second is the quickest; with a seed there is one."""
-    waits = [0.5, 0.1, 0.5]
+    waits = [0.2, 0.05, 0.2]
 
     def slowly(self, training, own=ModalProjection.fit):
         import time
@@ -102,7 +103,7 @@ def test_a_quick_fit_counts_with_its_shortest_time(folder, monkeypatch):
 
     monkeypatch.setattr(ModalProjection, "fit", slowly)
     rom, _ = run(folder)
-    assert 0.1 <= float(rom["mapping_seconds"]) + float(rom["dynamics_seconds"]) < 0.5
+    assert 0.05 <= float(rom["mapping_seconds"]) + float(rom["dynamics_seconds"]) < 0.2
     waits = [0.1]
     run(folder, seed=0)
     assert not waits

@@ -151,7 +151,7 @@ def test_its_jobs_table_and_figure_are_planned(project):
     )
     text = found.stdout + found.stderr
     jobs = dict(re.findall(r"^(\w+) +(\d+)$", text.partition("Job stats:")[2], re.MULTILINE))
-    assert jobs["tolerances_model"] == "16", text
+    assert jobs["tolerances_model"] == "17", text
     assert jobs["tolerances_tables"] == jobs["tolerances_figures"] == "1"
     assert "robustness_model" not in jobs and "frc" not in jobs
 
