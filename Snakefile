@@ -53,21 +53,9 @@ wildcard_constraints:
     role="train|test",
 
 
-def code(step, *modules):
-    """What a rule passes on as `provenance`: it runs again when the code behind it changes."""
-    return provenance.attributes(
-        f"vibrom.steps.{step}", *(f"vibrom.{module}" for module in modules)
-    )
-
-
-def seed_of(wildcards):
-    """The seed as a number; None for a method that is fitted once."""
-    return (
-        None if wildcards.seed == settings.UNSEEDED else int(wildcards.seed.removeprefix("seed_"))
-    )
-
-
-include: "workflow/rules/resume.smk"
+include: "workflow/rules/common/scenes.smk"
+include: "workflow/rules/common/resume.smk"
+include: "workflow/rules/common/unrecorded.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"

@@ -4,37 +4,6 @@
 #   snakemake --cores 2 cost            one family (or: ablation, robustness)
 
 
-def in_report(kind, family):
-    """The outputs of a family: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
-    return [
-        shown(kind, family, path) if Path(path).suffix in (".html", ".svg") else path
-        for path in files(kind, [family])
-    ]
-
-
-def shown(kind, family, path):
-    name = Path(path).stem
-    plug = name if kind == "tables" else FIGURES[family][name].plug
-    return report(
-        path,
-        caption=caption_file(kind, plug),
-        category=kind.capitalize(),
-        labels={kind[:-1]: name.replace("_", " ")},
-    )
-
-
-def caption_file(kind, plug):
-    """Snakemake takes captions from files: written where it keeps its own."""
-    path, text = (
-        Path(".snakemake/captions", kind, f"{plug}.rst").absolute(),
-        outputs.caption(kind, plug).rst,
-    )
-    if not path.is_file() or path.read_text(encoding="utf-8") != text:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return str(path)
-
-
 for FAMILY in PRESENT:
     for KIND in MADE:
         if not MADE[KIND][FAMILY]:
@@ -51,6 +20,8 @@ for FAMILY in PRESENT:
                 f"<logs>/{FAMILY}_{KIND}.log",
             benchmark:
                 f"<benchmarks>/{FAMILY}_{KIND}.tsv"
+            conda:
+                "../../envs/vibrom.yaml"
             params:
                 step="output",
                 kind=KIND,

@@ -2,24 +2,9 @@
 # the two recorded decays.
 
 
-def scene_part(*keys):
-    """The blocks of the scene that a rule reads; a change in another block does not run it again."""
-    return lambda wildcards: {
-        key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)
-    }
-
-
-def scene_modules(wildcards):
-    """The modules of the scene's body and effects."""
-    return SETTINGS.modules_of(wildcards.scene)
-
-
-def full_order_code(step):
-    """The code of a step that builds the full-order model, and of the scene's effects."""
-    return lambda wildcards: code(step, *scene_modules(wildcards))
-
-
 rule structure:
+    input:
+        unpack(make_again),
     output:
         structure="<results>/{scene}/full_order/structure.nc",
     log:
@@ -27,6 +12,8 @@ rule structure:
     benchmark:
         "<benchmarks>/{scene}/full_order/structure.tsv"
     priority: 100
+    conda:
+        "../../envs/vibrom.yaml"
     params:
         scene=scene_part(),
         name="{scene}",
@@ -47,6 +34,8 @@ rule release:
     benchmark:
         "<benchmarks>/{scene}/full_order/release.tsv"
     priority: 80
+    conda:
+        "../../envs/vibrom.yaml"
     params:
         scene=scene_part("releases", "time"),
         provenance=full_order_code("release"),
@@ -67,6 +56,8 @@ rule record:
     benchmark:
         "<benchmarks>/{scene}/full_order/{role}.tsv"
     priority: 70
+    conda:
+        "../../envs/vibrom.yaml"
     params:
         scene=scene_part("record", "time"),
         role="{role}",

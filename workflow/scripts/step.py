@@ -97,14 +97,25 @@ def check_own(job):
         )
 
 
+def told(job):
+    """What an artefact says of how it was made; of other outputs, the code behind them."""
+    from vibrom.artefacts import provenance
+
+    stored = provenance.completed(job.params.provenance)
+    if not any(str(path).endswith(".nc") for path in job.output):
+        return stored
+    from vibrom.artefacts import identity
+
+    asked = identity.asked(dict(job.params.items()))
+    return stored | {"asked": asked, "made_from": identity.made_from(dict(job.input.items()))}
+
+
 def run(job):
     check_own(job)
     given = arguments(job)
     step = importlib.import_module(f"vibrom.steps.{given.pop('step', job.rule)}")
     if "provenance" in given:
-        from vibrom.artefacts.provenance import completed
-
-        given["provenance"] = completed(given["provenance"])
+        given["provenance"] = told(job)
     step.run(**given)
 
 

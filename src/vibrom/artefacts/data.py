@@ -3,8 +3,8 @@
 Every artefact is one netCDF file that opens as one `xarray.Dataset`. It names its kind, its scene
 and its model, carries units and long names on all variables (CF conventions), and says which code
 and which packages made it. `save_dataset` refuses what breaks that promise and writes all or
-nothing; `open_dataset` refuses a file that is torn, foreign or of another kind, in one line that
-names the cure.
+nothing; `open_dataset` refuses a file that is torn, damaged, foreign, or another artefact than the
+one that belongs there, in one line that names the cure.
 """
 
 import json
@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts import identity
 from vibrom.artefacts.files import DataError, replacing
+from vibrom.artefacts.identity import FITTED_ONCE
 
 CONVENTIONS = "CF-1.11"
-UNSEEDED = -1
 
 # kind -> variables that a file of that kind always has. Of an experiment that is what makes it one:
 # an outcome and scores.
@@ -58,7 +59,7 @@ def label(
         kind=kind,
         scene=scene,
         method=method,
-        seed=UNSEEDED if seed is None else int(seed),
+        seed=FITTED_ONCE if seed is None else int(seed),
         Conventions=CONVENTIONS,
         title=f"vibrom {kind}: {method} in scene {scene}",
         **{
@@ -99,6 +100,7 @@ def save_dataset(
     """Write all of `dataset` to `path`, or leave `path` as it was."""
     dataset = dataset.assign_attrs(provenance or {})
     check(dataset, str(dataset.attrs.get("kind")), str(path))
+    dataset = dataset.assign_attrs(content=identity.content(dataset))
     # Coordinates have no gaps (CF), and a fill value on them confuses other readers; integers need
     # none either.
     encoding = {
@@ -117,11 +119,10 @@ def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError, RuntimeError) as error:
-        raise DataError(
-            f"{path}: not a readable netCDF file ({str(error).splitlines()[0]}); delete it and "
-            "run again"
-        ) from error
+        raise identity.unreadable(path, error) from error
     check(dataset, kind, str(path))
+    identity.check_place(path, dataset.attrs)
+    identity.check_content(path, dataset)
     return dataset
 
 

@@ -118,6 +118,16 @@ def module_of(folder: str, name: str) -> str:
     return f"vibrom.{folder.replace('/', '.')}.{name}"
 
 
+def defaults_of(settings: type[Block]) -> dict[str, Any]:
+    """Setting -> its default in plain form, of those that have one."""
+    fields = msgspec.structs.fields(settings)
+    return {
+        field.name: msgspec.to_builtins(field.default_factory())
+        for field in fields
+        if not field.required
+    }
+
+
 @cache
 def class_of(folder: str, name: str) -> str | None:
     """The last class of a plug's file that has the method of its folder; of a study the class of

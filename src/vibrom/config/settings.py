@@ -18,10 +18,9 @@ from vibrom.config.check import checked
 from vibrom.config.kinds import Device, Folder, Name, Seed, Several
 from vibrom.config.layers import Layers, Sources
 from vibrom.config.method_file import MethodFile
+from vibrom.config.places import FULL_ORDER, UNSEEDED
 from vibrom.config.scene import Block, Scene
 
-FULL_ORDER = "full_order"
-UNSEEDED = "unseeded"
 # Names of other folders of the results.
 TAKEN = {
     "scenes": ("tables", "figures", "logs", "benchmarks", "mlflow_artifacts"),

@@ -1,6 +1,6 @@
 """The datasets of a run by scene, model, seed and name, each opened when it is needed.
 
-Whose an artefact is, it says itself: its path means nothing here.
+Whose an artefact is, it says itself; one that lies where another belongs is refused.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import UNSEEDED, open_dataset
+from vibrom.artefacts.data import open_dataset
 from vibrom.artefacts.files import DataError
+from vibrom.artefacts.identity import FITTED_ONCE, attributes_of, check_place
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.places import FULL_ORDER
 
-FULL_ORDER = "full_order"
 OPEN = 64  # datasets that are kept in memory
 
 
@@ -43,10 +43,10 @@ class Collection:
         """The artefacts at these paths, in their order."""
         loaders = {}
         for path in paths:
-            attributes = attributes_of(path)
+            attributes = artefact_at(path)
             seed = int(attributes["seed"])
             name = attributes.get("role", attributes["kind"])
-            model = None if seed == UNSEEDED else seed
+            model = None if seed == FITTED_ONCE else seed
             key = Key(attributes["scene"], attributes["method"], model, name)
             loaders[key] = partial(open_dataset, path, attributes["kind"])
         return cls(loaders)
@@ -81,21 +81,16 @@ class Collection:
         return [self.find(scene, model, name, seed) for seed in self.seeds(scene, model)]
 
 
-def attributes_of(path: str) -> dict[str, Any]:
-    """The attributes of an artefact, without its data."""
-    try:
-        with netCDF4.Dataset(path) as file:
-            found = {name: file.getncattr(name) for name in file.ncattrs()}
-    except OSError as error:
-        raise DataError(
-            f"{path}: not a readable netCDF file ({error}); delete it and run again"
-        ) from error
+def artefact_at(path: str) -> dict[str, Any]:
+    """The attributes of the artefact that belongs at this path."""
+    found = attributes_of(path)
     missing = [name for name in ("scene", "method", "seed", "kind") if name not in found]
     if missing:
         raise DataError(
             f"{path}: not an artefact of a run, as it has no attribute {', '.join(missing)}; "
             "give files that the workflow made"
         )
+    check_place(path, found)
     return found
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import UNSEEDED
+from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.report.collection import FULL_ORDER, Collection
 from vibrom.report.scores import spread
@@ -82,7 +82,7 @@ def settings(collection: Collection) -> list[Setting]:
                 Setting(
                     scene,
                     str(one["model"].values),
-                    None if seed == UNSEEDED else seed,
+                    None if seed == FITTED_ONCE else seed,
                     str(one["varied"].values),
                     str(one["value"].values),
                     *(float(one[f"{name}_seconds"]) for name in ("data", "mapping", "dynamics")),

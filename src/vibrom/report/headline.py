@@ -5,6 +5,7 @@ lies.
 from __future__ import annotations
 
 import io
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -69,10 +70,16 @@ def cost(rows: Sequence[Row]) -> Callable[[Row], str]:
 
 def checks(rows: Iterable[Row]) -> list[str]:
     """How many promises are kept, and the names of the others."""
-    met = [row["met"] == "yes" for row in rows]
-    unmet = [row for row, kept in zip(rows, met) if not kept]
+    met = Counter(row["met"] for row in rows)
+    unmet = [row for row in rows if row["met"] == "no"]
+    left = [
+        (row["case"], row["method"], row["source"])
+        for row in rows
+        if row["met"] not in ("yes", "no")
+    ]
     return [
-        f"{'Checks':<10}{sum(met)} of {len(met)} met",
+        f"{'Checks':<10}{met['yes']} of {met['yes'] + met['no']} met",
+        *(f"{'':<10}{case}, {label(method)}: not compared, {why}" for case, method, why in left),
         *(
             f"{'not met':<10}{row['case']}, {label(row['method'])}: {row['quantity']} "
             f"{number(row['value'], 6)} (bound {row['bound']})"

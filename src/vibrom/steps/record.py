@@ -17,6 +17,7 @@ from vibrom.artefacts.data import (
     save_dataset,
     variable,
 )
+from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Record, Time
 from vibrom.models.full_order import FullOrder
 from vibrom.models.recorded import differences
@@ -67,7 +68,7 @@ def run(
         dataset,
         "trajectory",
         scene=str(known.attrs["scene"]),
-        method="full_order",
+        method=FULL_ORDER,
         role=role,
         derivatives=record.derivatives,
         iterations=motion.iterations,

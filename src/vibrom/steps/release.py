@@ -11,6 +11,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Release
 from vibrom.models.full_order import FullOrder
 from vibrom.models.model import Drive, Watch
@@ -39,7 +40,7 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
         dataset,
         "release",
         scene=str(known.attrs["scene"]),
-        method="full_order",
+        method=FULL_ORDER,
         releases=scene["releases"],
     )
     save_dataset(dataset, release, provenance)

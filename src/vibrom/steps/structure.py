@@ -16,6 +16,7 @@ from vibrom import effects
 from vibrom.artefacts.data import label, save_dataset, variable
 from vibrom.bodies import space
 from vibrom.bodies.space import Space
+from vibrom.config.places import FULL_ORDER
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.term import Term
 
@@ -58,7 +59,7 @@ def run(*, structure: str, scene: dict[str, Any], name: str, provenance: dict[st
     }
     blocks = {block: scene[block] for block in ("body", "effects")}
     dataset = label(
-        xr.Dataset(variables, coords), "structure", scene=name, method="full_order", **blocks
+        xr.Dataset(variables, coords), "structure", scene=name, method=FULL_ORDER, **blocks
     )
     save_dataset(dataset, structure, provenance)
 

@@ -11,18 +11,18 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from vibrom.config.places import FULL_ORDER
 from vibrom.thesis import published
 
 BODY = {"length": 1.0, "height": 0.02, "width": 0.05, "cells": [40, 2], "element": "bilinear"}
-EFFECTS = {
+EFFECTS = {  # what differs from the effects' own defaults
     "inertia": {"density": 440.0},
     "elasticity": {"young_modulus": 104.0e9, "poisson_ratio": 0.3, "plane": "stress"},
     "geometric_nonlinearity": {},
-    "rayleigh_damping": {"damping_ratio": 0.01, "stiffness_factor": 0.0},
+    "rayleigh_damping": {"damping_ratio": 0.01},
     "modal_load": {"mode": 1},
 }
 FORCING = {"small": 1.0, "large": 600.0, "folding": 6000.0}  # of forced runs and response curves
-FULL_ORDER = "full_order"
 REFERENCE, PROMISE = "reference reproduction", "promise"
 
 

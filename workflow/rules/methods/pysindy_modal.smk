@@ -22,6 +22,8 @@ rule fit_pysindy_modal:
     benchmark:
         "<benchmarks>/{scene}/pysindy_modal/{seed}/fit.tsv"
     priority: 50
+    conda:
+        "../../../envs/vibrom.yaml"
     threads: PYSINDY["resources"]["threads"]
     resources:
         mem_mb=PYSINDY["resources"]["mem_mb"],

@@ -5,7 +5,7 @@ displacement under forcing are compared with a reference reproduction of the the
 and eigenvalues with the tables of the thesis; errors are medians over seeds, and a failed seed
 counts as infinitely wrong. A missing number is not met. A case with another body or other effects
 than the thesis's is not compared with it, nor an answer that depends on another release or
-another forcing.
+another forcing: a row says so.
 
 Of the folding case, SPLIT+ and the decoupled autoencoder must follow the response curve all the
 way with their guards (table "guards"): no point without a value, the median amplitude error, the
@@ -16,10 +16,14 @@ neither a value nor an outcome that says why not.
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
+from vibrom.artefacts.identity import differences
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config import plugs
 from vibrom.report import curves, robustness
 from vibrom.report.collection import (
     FULL_ORDER,
@@ -49,6 +53,7 @@ COLUMNS = (
     Column("met", "Met"),
     Column("source", "Source"),
 )
+NOT_COMPARED = "not compared"
 ERRORS = ("reconstruction", "decay", "forced")  # a failed seed is infinitely wrong
 
 
@@ -62,14 +67,41 @@ def build(collection, scores):
     rows = []
     for scene in collection.scenes:
         for model in (FULL_ORDER, *collection.methods):
-            for promise in promised(scene, model, collection, scores):
-                value = measured(promise.at, scene, model, collection, scores)
-                if value is not None:
-                    rows.append(row(scene, value, promise))
+            rows += compared(scene, model, collection, scores)
         for model in (FULL_ORDER, *collection.methods):
             for promise, value in complete(scene, model, collection, scores):
                 rows.append(row(scene, value, promise))
     return rows
+
+
+def compared(
+    scene: str, model: str, collection: Collection, scores: Scores
+) -> Iterator[dict[str, Any]]:
+    """A row for each promise that this run can be held to, and one that says why for the others."""
+    structure = collection.find(scene, FULL_ORDER, "structure")
+    if structure is None or scene not in promises.FORCING:
+        return
+    if other := unlike(structure):
+        if model == FULL_ORDER:
+            yield not_compared(scene, model, "all of the thesis's numbers", other)
+        return
+    frequency = scores.spread(scene, FULL_ORDER, "eigenvalues", "imaginary_rad_per_s").median
+    same, left = as_printed(scene, collection), []
+    made = (
+        promises.of_full_order(scene)
+        if model == FULL_ORDER
+        else promises.of_method(scene, model, frequency)
+    )
+    for promise in made:
+        value = measured(promise.at, scene, model, collection, scores)
+        if not promise.needs <= same:
+            left.append(promise)
+        elif value is not None:
+            yield row(scene, value, promise)
+    if left:
+        quantities = ", ".join(promise.quantity for promise in left)
+        others = sorted({need for promise in left for need in promise.needs} - same)
+        yield not_compared(scene, model, quantities, f"not the thesis's: {', '.join(others)}")
 
 
 def row(scene: str, value: float, promise: promises.Promise) -> dict:
@@ -86,31 +118,30 @@ def row(scene: str, value: float, promise: promises.Promise) -> dict:
     }
 
 
-def promised(
-    scene: str, model: str, collection: Collection, scores: Scores
-) -> Iterator[promises.Promise]:
-    """Those that this run can be held to: of a case with the thesis's body, effects and whatever
-    else the number depends on.
-    """
-    structure = collection.find(scene, FULL_ORDER, "structure")
-    if structure is None or scene not in promises.FORCING or not reproduces(structure):
-        return
-    frequency = scores.spread(scene, FULL_ORDER, "eigenvalues", "imaginary_rad_per_s").median
-    same = as_printed(scene, collection)
-    made = (
-        promises.of_full_order(scene)
-        if model == FULL_ORDER
-        else promises.of_method(scene, model, frequency)
-    )
-    yield from (promise for promise in made if promise.needs <= same)
+def not_compared(scene: str, model: str, quantity: str, why: str) -> dict[str, Any]:
+    """A promise that this run cannot be held to."""
+    empty = {"value": np.nan, "unit": "1", "bound": "", "met": NOT_COMPARED, "source": why}
+    return {"case": scene, "method": model, "quantity": quantity, **empty}
 
 
-def reproduces(structure) -> bool:
-    """Are the scene's body and effects the thesis's?"""
+def unlike(structure: xr.Dataset) -> str:
+    """Where the scene's body or effects are not the thesis's; empty where they are."""
     body, effects = described(structure, "body"), described(structure, "effects")
-    known = promises.EFFECTS
-    effects = {name: {**known.get(name, {}), **(keys or {})} for name, keys in effects.items()}
-    return {**body, **promises.BODY} == body and effects == known
+    own = {"body": body, "effects": completed(effects)}
+    known = {"body": {**body, **promises.BODY}, "effects": completed(promises.EFFECTS)}
+    for where, ours, theirs in differences(own, known):
+        return f"{where}{ours!r}, and not {theirs!r}"
+    return ""
+
+
+def completed(effects: dict[str, dict]) -> dict[str, dict]:
+    """With the defaults that the effects declare."""
+    known = plugs.names("effects")
+    defaults = {
+        name: plugs.defaults_of(plugs.settings_of("effects", name)) if name in known else {}
+        for name in effects
+    }
+    return {name: {**defaults[name], **(keys or {})} for name, keys in effects.items()}
 
 
 def as_printed(scene: str, collection: Collection) -> set[str]:

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import UNSEEDED
+from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome, worst
 from vibrom.artefacts.progress import bar
 from vibrom.models.reduced import Reduced
@@ -123,7 +123,7 @@ def varied(
     """
     fits = Fits(case, study.repeats, study.patience)
     for model in case.fitted:
-        if int(model.record.attrs["seed"]) in (case.seed, UNSEEDED):
+        if int(model.record.attrs["seed"]) in (case.seed, FITTED_ONCE):
             fits.add(recipe(case, model.record.attrs["method"], {}), model, known(model))
     for method, changes in wanted:
         offline = {key: value for key, value in changes.items() if key not in ONLINE}
@@ -133,7 +133,7 @@ def varied(
             fit, integrator = online(fit, integrator, changes)
         about = {
             "model": method,
-            "model_seed": case.seed if case.methods[method]["seeded"] else UNSEEDED,
+            "model_seed": case.seed if case.methods[method]["seeded"] else FITTED_ONCE,
             "varied": ", ".join(changes),
             "value": str(next(iter(changes.values()))),
         }

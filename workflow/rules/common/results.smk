@@ -1,0 +1,131 @@
+# Which artefacts the tables, figures and the report are made from.
+from typing import NamedTuple
+
+from vibrom.report import outputs
+
+# Every model of the run as (scene, method, seed folder).
+MODELS = [
+    (scene, method, seed)
+    for scene in SCENES
+    for method in METHODS
+    for seed in SETTINGS.seed_folders(method)
+]
+
+
+def of_full_order(scenes, names):
+    return [
+        f"<results>/{scene}/{settings.FULL_ORDER}/{name}.nc" for scene in scenes for name in names
+    ]
+
+
+def of_models(scenes, names):
+    return [
+        f"<results>/{'/'.join(model)}/{name}.nc"
+        for model in MODELS
+        if model[0] in scenes
+        for name in names
+    ]
+
+
+EVALUATED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
+PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, EVALUATED)
+FITTED = of_models(SCENES, ("rom", "losses"))
+ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
+
+
+class Family(NamedTuple):
+    """Tables and figures that are made from one set of artefacts."""
+
+    scenes: list  # a family without scenes has no tables and figures
+    artefacts: list
+
+
+def of_study(study):
+    """The artefacts of a study, of the scenes' structures, and of what it reads of the full order."""
+    reads = [need for needs in STUDIES[study]["reads"].values() for need in needs]
+    known = [need.removeprefix("full_order/") for need in reads if need.startswith("full_order/")]
+    return study_files(study) + of_full_order(STUDY_SCENES[study], ["structure", *known])
+
+
+def artefacts_of(family):
+    """Its own, and those of other studies that its tables and figures need."""
+    own = ARTEFACTS if family == outputs.MODELS else of_study(family)
+    others = [study for study in outputs.also(family) if study in STUDIES]
+    return list(dict.fromkeys(own + [path for study in others for path in of_study(study)]))
+
+
+for NAME in outputs.families():
+    if NAME not in (outputs.MODELS, *names("studies")):
+        sys.exit(
+            f"vibrom: FAMILY {NAME!r} of a table or figure is no study; see src/vibrom/studies"
+        )
+SHOWN_SCENES = {outputs.MODELS: list(SCENES), **STUDY_SCENES}
+FAMILIES = {
+    name: Family(SHOWN_SCENES[name], artefacts_of(name))
+    for name in outputs.families()
+    if name in SHOWN_SCENES
+}
+PRESENT = [name for name, family in FAMILIES.items() if family.scenes]
+TABLES = {name: outputs.tables(name, SETTINGS.experiments) for name in PRESENT}
+FIGURES = {name: outputs.figures(name, FAMILIES[name].scenes) for name in PRESENT}
+MADE = {"tables": TABLES, "figures": FIGURES}
+
+
+def files(kind, families=PRESENT, forms=None):
+    """The tables or figures of these families, in these formats or in all."""
+    return [
+        f"<results>/{kind}/{name}.{form}"
+        for family in families
+        for name in MADE[kind].get(family, ())
+        for form in forms or outputs.FORMATS[kind]
+    ]
+
+
+def modules(kind, families=PRESENT):
+    """The code behind them."""
+    return [module for family in families for module in outputs.modules(kind, family)]
+
+
+def all_artefacts():
+    """Of all families, each once."""
+    return list(dict.fromkeys(path for name in PRESENT for path in FAMILIES[name].artefacts))
+
+
+def plugs_shown(kind):
+    """The tables by name, the figures by the file that draws them."""
+    if kind == "tables":
+        return [name for names in TABLES.values() for name in names]
+    return list(
+        dict.fromkeys(drawing.plug for names in FIGURES.values() for drawing in names.values())
+    )
+
+
+def in_report(kind, family):
+    """The outputs of a family: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
+    return [
+        shown(kind, family, path) if Path(path).suffix in (".html", ".svg") else path
+        for path in files(kind, [family])
+    ]
+
+
+def shown(kind, family, path):
+    name = Path(path).stem
+    plug = name if kind == "tables" else FIGURES[family][name].plug
+    return report(
+        path,
+        caption=caption_file(kind, plug),
+        category=kind.capitalize(),
+        labels={kind[:-1]: name.replace("_", " ")},
+    )
+
+
+def caption_file(kind, plug):
+    """Snakemake takes captions from files: written where it keeps its own."""
+    path, text = (
+        Path(".snakemake/captions", kind, f"{plug}.rst").absolute(),
+        outputs.caption(kind, plug).rst,
+    )
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return str(path)

@@ -1,0 +1,32 @@
+# The blocks of a scene, the code behind a result, a seed as a number.
+
+
+def code(step, *modules):
+    """The parameter `provenance`, with which a job runs again when the code behind it changes."""
+    return provenance.attributes(
+        f"vibrom.steps.{step}", *(f"vibrom.{module}" for module in modules)
+    )
+
+
+def seed_of(wildcards):
+    """The seed as a number; None for a method that is fitted once."""
+    return (
+        None if wildcards.seed == settings.UNSEEDED else int(wildcards.seed.removeprefix("seed_"))
+    )
+
+
+def scene_part(*keys):
+    """The blocks of the scene that a rule reads; a change in another block does not run it again."""
+    return lambda wildcards: {
+        key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)
+    }
+
+
+def scene_modules(wildcards):
+    """The modules of the scene's body and effects."""
+    return SETTINGS.modules_of(wildcards.scene)
+
+
+def full_order_code(step):
+    """The code of a step that builds the full-order model, and of the scene's effects."""
+    return lambda wildcards: code(step, *scene_modules(wildcards))
