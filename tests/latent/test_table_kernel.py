@@ -23,7 +23,7 @@ def _sine(z, numbers, index, work, out):
 
 def sine(frequency):
     """a = sin(frequency z)."""
-    return Kernel(_sine, np.array([float(frequency)]), np.zeros(1, np.int64), 0)
+    return Kernel(_sine, np.array([float(frequency)]), np.zeros(1, np.int64), 0, 2)
 
 
 def test_a_smooth_map_becomes_a_table_that_is_constant_beyond_its_ends():

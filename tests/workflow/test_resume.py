@@ -26,7 +26,9 @@ rule first:
 @pytest.fixture
 def running(tmp_path):
     """A run that is under way in `tmp_path`."""
-    (tmp_path / "Snakefile").write_text(SNAKEFILE.format(rules=ROOT / "workflow/rules/resume.smk"))
+    (tmp_path / "Snakefile").write_text(
+        SNAKEFILE.format(rules=ROOT / "workflow/rules/common/resume.smk")
+    )
     (tmp_path / "slow").touch()
     line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "1"]
     run = subprocess.Popen(line, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -4,6 +4,7 @@ jobs run again.
 
 import json
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -256,6 +257,25 @@ def test_tables_and_figures_are_targets_of_all_families(run):
 def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):
     (run.folder / "workflow/scripts/step.py").touch()
     assert run.planned() == {}
+
+
+def test_a_copied_results_folder_is_what_its_settings_say(run, tmp_path):
+    """Without Snakemake's records: nothing is made again, or what other settings ask for, or what
+    is not the artefact that belongs there.
+    """
+    copied = Run(tmp_path)
+    shutil.copytree(run.results, copied.results)
+    assert copied.planned() == {}
+    longer = tmp_path / "longer.yaml"
+    longer.write_text("scene_settings: {all: {record: {periods: 4}}}\n")
+    jobs = copied.planned(overlays=(str(longer),))
+    assert jobs["record"] == 2 and "structure" not in jobs and "full_order_frc" not in jobs
+    models = copied.results / "folding"
+    shutil.copy(models / "split/seed_0/rom.nc", models / "ssmlearn/unseeded/rom.nc")
+    plan = copied.snakemake("--dry-run", "--quiet", "rules")
+    said = plan.stdout + plan.stderr
+    assert "ssmlearn/unseeded/rom.nc: method is 'split', but 'ssmlearn' belongs here" in said
+    assert re.search(r"^fit_ssmlearn +1$", said, re.MULTILINE)
 
 
 # Last, as the model that it asks for is not made again.

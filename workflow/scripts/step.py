@@ -101,12 +101,13 @@ def told(job):
     """What an artefact says of how it was made; of other outputs, the code behind them."""
     from vibrom.artefacts import provenance
 
-    stored = provenance.completed(job.params.provenance)
+    params = dict(job.params.items())
+    stored = provenance.completed(params["provenance"])
     if not any(str(path).endswith(".nc") for path in job.output):
         return stored
     from vibrom.artefacts import identity
 
-    asked = identity.asked(dict(job.params.items()))
+    asked = identity.asked(params)
     return stored | {"asked": asked, "made_from": identity.made_from(dict(job.input.items()))}
 
 

@@ -25,6 +25,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts.outcome import Outcome
 from vibrom.models.model import Model
 
 
@@ -105,3 +106,12 @@ class ExperimentError(ValueError):
 def at_rest(model: Model, runs: int = 1) -> np.ndarray:
     """`runs` states (runs, 2n) at rest."""
     return np.zeros((runs, 2 * model.size))
+
+
+def is_comparable(truth: xr.Dataset | None) -> bool:
+    """Did the full-order run go all the way that answers are compared with? Of many runs each point
+    has an outcome of its own.
+    """
+    if truth is None or truth["outcome"].ndim:
+        return True
+    return Outcome(str(truth["outcome"].item())).has_value

@@ -153,6 +153,7 @@ def force_kernel(decoder: Network, encoder: Network | None, push: Push, edge: np
         np.concatenate([back.numbers, push.load, edge, to.numbers]).astype(float),
         np.array([*head, *back.sizes, *to.sizes], dtype=np.int64),
         4 * (2 + 2 * (d // 2)) * apart + d * d + d,
+        2 * d,
     )
 
 

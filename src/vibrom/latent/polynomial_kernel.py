@@ -134,9 +134,10 @@ def polynomial_kernel(
         numbers.append(row[used])
         index += [len(used), *(places[k] for k in used)]
     function, rows = (_polynomial, rows) if reach is None else (_bounded, 2 * rows)
-    return Kernel(function, np.concatenate(numbers), np.array(index, dtype=np.int64), rows)
+    integers = np.array(index, dtype=np.int64)
+    return Kernel(function, np.concatenate(numbers), integers, rows, len(scale))
 
 
 def constant_kernel(value: np.ndarray) -> Kernel:
     """The same (r,) for every state."""
-    return Kernel(_constant, np.array(value, dtype=float), np.zeros(1, np.int64), 0)
+    return Kernel(_constant, np.array(value, dtype=float), np.zeros(1, np.int64), 0, len(value))

@@ -43,4 +43,4 @@ def ratio_kernel(
         constant = denominator[~powers.any(axis=1)].sum()
         return polynomial_kernel(scale, powers, numerators / constant)
     rows = polynomial_kernel(scale, powers, np.vstack([numerators, denominator]))
-    return Kernel(_ratio, rows.numbers, rows.index, rows.rows)
+    return Kernel(_ratio, rows.numbers, rows.index, rows.rows, len(scale))

@@ -29,7 +29,7 @@ import xarray as xr
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.errors import closest
 from vibrom.config.kinds import Name
-from vibrom.experiments import Experiment, Given, experiment
+from vibrom.experiments import Experiment, Given, experiment, is_comparable
 
 KINDS = ("scene", "model", "models")
 
@@ -84,10 +84,7 @@ class Case:
 
     def is_comparable(self, name: str) -> bool:
         """Did the full-order run go all the way that answers are compared with?"""
-        truth = self.truth(name)
-        if truth is None or truth["outcome"].ndim:
-            return True
-        return Outcome(str(truth["outcome"].item())).has_value
+        return is_comparable(self.truth(name))
 
     @property
     def given(self) -> Given:

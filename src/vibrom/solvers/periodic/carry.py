@@ -30,6 +30,7 @@ from scipy.sparse.linalg import splu
 from vibrom.kernels import banded
 from vibrom.kernels.compiled import Blocks, Places, Rows, machine_type
 from vibrom.kernels.lanes import get, kernel, part, put, room
+from vibrom.solvers.full.batch import mass_damping
 from vibrom.solvers.full.newmark import Newmark, half_bandwidth
 from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
@@ -104,15 +105,6 @@ def _carried_sparse(
     return np.stack([q, v])
 
 
-def mass_rate(term: Term) -> float:
-    """C [1/s] where C = c M, otherwise zero."""
-    if term.damping is None:
-        return 0.0
-    rate = float(term.damping[0, 0] / term.mass[0, 0])
-    rest = abs(term.damping - rate * term.mass).max()
-    return rate if rest <= 1e-13 * abs(term.damping).max() else 0.0
-
-
 def _factors(
     term: Term, half: int, by_v: float, by_q: float, displacement: np.ndarray, velocity: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -154,7 +146,7 @@ def _carried_banded(
     factors, drag = _factors(
         term, half, path.gamma * h, path.beta * h**2, path.displacement, path.velocity
     )
-    rate = mass_rate(term)
+    rate = mass_damping(term)
     mass = banded.product(term.mass, WIDE)
     damping = banded.product(None if rate else term.damping, WIDE)
     method = Method(h, path.gamma, path.beta, rate)

@@ -29,7 +29,7 @@ class Kernel:
     numbers: np.ndarray  # (any,) floats
     index: np.ndarray  # (any,) integers
     rows: int  # of scratch, WIDTH numbers each
-    dimension: int | None = None  # r; None: not told, and so not compared with the states
+    dimension: int  # r, of the states that it takes
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ def integrate(
 
     Raises ArgumentError where a shape or a value cannot be meant.
     """
-    start = checked_start(start, field.drift.dimension or len(tolerance.atol))
+    start = checked_start(start, field.drift.dimension)
     runs, r = start.shape
     times = checked_times(times, runs)
     if field.force is not None and forcing is None:

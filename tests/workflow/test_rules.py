@@ -1,0 +1,24 @@
+"""The rules: as Snakemake's own checks want them, with one environment for all."""
+
+import re
+import tomllib
+
+import yaml
+from project_copy import ROOT, command
+
+CONDA = {"torch": "pytorch", "matplotlib": "matplotlib-base", "msgspec": "msgspec-python"}
+OF_THE_WORKFLOW = {"snakemake"}  # runs outside of that environment
+
+
+def test_snakemake_has_nothing_to_say_about_the_rules():
+    answer = command(ROOT, "--lint", PYTHONPATH=str(ROOT / "src"))
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+def test_the_environment_of_conda_has_the_packages_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = {re.match(r"[A-Za-z0-9-]+", item)[0] for item in project["dependencies"]}
+    environment = yaml.safe_load((ROOT / "envs/vibrom.yaml").read_text())
+    listed = {re.match(r"[A-Za-z0-9-]+", item)[0] for item in environment["dependencies"]}
+    named = {CONDA.get(name, name).lower() for name in wanted - OF_THE_WORKFLOW}
+    assert listed - {"python"} == named
