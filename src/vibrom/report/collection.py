@@ -19,7 +19,7 @@ from vibrom.artefacts.files import DataError
 from vibrom.artefacts.outcome import Outcome
 
 FULL_ORDER = "full_order"
-OPEN = 64  # datasets that are kept in memory
+OPEN = 256  # datasets that are kept in memory
 
 
 class Key(NamedTuple):
