@@ -51,6 +51,12 @@ const Plots = (() => {
 
   const shown = trace => !state.alone || trace.meta.method === "full_order" || trace.meta.method === state.alone;
 
+  // Ticks at 1, 2 and 5 where there are few powers of ten between the smallest and the largest value.
+  function decades(figure, name) {
+    const values = figure.data.flatMap(trace => [...trace[name]]).filter(value => value > 0);
+    return Math.log10(Math.max(...values) / Math.min(...values));
+  }
+
   function layout(figure, linear) {
     const axis = (own, name) => {
       const made = { ...own, gridcolor: css("--rule"), zerolinecolor: css("--rule"), linecolor: css("--soft"), automargin: true,
@@ -59,7 +65,7 @@ const Plots = (() => {
         made.type = own.type === "log" ? "linear" : "log";
         delete made.range;
       }
-      if (made.type === "log") Object.assign(made, { tickformat: "~g", nticks: 5 });
+      if (made.type === "log") Object.assign(made, { tickformat: "~g", dtick: decades(figure, name) < 2.3 ? "D2" : 1 });
       return made;
     };
     return {
