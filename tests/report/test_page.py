@@ -1,15 +1,20 @@
 """The report page and the headline: all in one file, nothing fetched, no failure left out."""
 
+import base64
+import gzip
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from markupsafe import escape
 from small_run import PROVENANCE
 
 from vibrom.artefacts.outcome import Tally
-from vibrom.report import failures, outputs, tables
+from vibrom.report import answer, failures, outputs, tables
 from vibrom.report import headline as numbers
+from vibrom.report.columns import number
 from vibrom.report.scores import Scores
 from vibrom.report.table import Table
 from vibrom.steps import headline, output, report, scores, tracking
@@ -17,12 +22,13 @@ from vibrom.steps import headline, output, report, scores, tracking
 SCENES, EXPERIMENTS = ["small", "large"], ["decay", "backbone"]
 TABLES = outputs.tables("models", EXPERIMENTS)
 FIGURES = outputs.figures("models", SCENES)
+PLUGS = {drawing.plug for drawing in FIGURES.values()}
 
 
 class Reader(HTMLParser):
     """Tags that are opened, ids, image addresses, and whether what was opened was closed."""
 
-    void = {"meta", "img", "br", "link", "hr"}
+    void = {"meta", "img", "br", "link", "hr", "input"}
 
     def __init__(self, html):
         super().__init__()
@@ -79,19 +85,57 @@ def page(made):
 
 def test_the_page_needs_nothing_else(page):
     reader = Reader(page)
-    assert reader.open == []
-    assert not any(text in page for text in ("http", "url(", "<script", "<link"))
+    assert reader.open == [] and len(page) < 8_000_000
+    code = gzip.decompress(base64.b64decode(re.search('id="plotly-code">([^<]*)<', page)[1]))
+    assert code.startswith(b"/**\n* plotly.js v")
+    assert not any(text in page for text in ("http:", "https:", "url(", "<link"))
     assert reader.images and all(source.startswith("data:image/") for source in reader.images)
-    assert all(link.startswith("#") and link[1:] in reader.ids for link in reader.links)
+    assert all(link[1:] in reader.ids for link in reader.links if link[0] == "#")
+
+
+def test_every_figure_links_to_its_data(page, made, small):
+    links = [link for link in Reader(page).links if link[0] != "#"]
+    assert all(re.fullmatch(r"tables/\w+\.csv|figures/\w+\.pdf|.+\.nc", link) for link in links)
+    every = [name for family in outputs.families() for name in outputs.tables(family, EXPERIMENTS)]
+    known = {f"tables/{name}.csv" for name in every}
+    assert {link for link in links if link.endswith(".csv")} <= known
+    paths = [small.results / link for link in links if link.endswith(".nc")]
+    assert paths and all(path.exists() for path in paths)
+    blocks = re.findall(r"<figure id.*?</figure>", page, re.DOTALL)
+    assert len(blocks) == len(PLUGS) and all('href="figures/' in block for block in blocks)
 
 
 def test_the_page_has_every_table_and_figure_once(page):
-    ids = Reader(page).ids
+    reader = Reader(page)
+    ids = reader.ids
     assert len(ids) == len(set(ids))
-    wanted = {f"table-{name}" for name in TABLES} | {f"figure-{name}" for name in FIGURES}
+    wanted = {f"table-{name}" for name in TABLES} | {f"figure-{name}" for name in PLUGS}
     assert wanted <= set(ids) and "table-backbone" in ids
-    assert len(Reader(page).images) == len(FIGURES)
-    assert page.index('id="figure-accuracy_cost"') < page.index('id="tables"')  # at a glance
+    assert {f"#{name}" for name in wanted} <= set(reader.links)  # from the contents
+    assert page.index('id="figure-accuracy_cost"') < page.index('id="models"')  # at a glance
+
+
+def test_tables_are_read_to_the_blind(page):
+    for table in re.findall(r"<table.*?</table>", page, re.DOTALL):
+        assert "<caption>" in table or "data-name" not in table
+        assert '<th scope="col">' in table or "data-name" not in table
+    assert all(re.findall(r'<img [^>]*alt="([^"]{40,})"', page)) and 'alt=""' not in page
+    seen = re.findall(r'class="panel" role="img"[^>]*aria-label="([^"]*)"', page)
+    assert len(seen) > 10 and any("Full order: " in words and " to " in words for words in seen)
+
+
+def test_the_answer_is_made_of_the_numbers(page, real):
+    scored = Scores.of(real)
+    found = answer.of(real, scored)
+    medians = {
+        method: scored.spread("large", method, "decay", "nmte_percent").median
+        for method in real.methods
+    }
+    best = min(medians, key=medians.get)
+    assert [m for m in real.methods if found.cells["large", m, "decay"].best] == [best]
+    assert found.cells["large", best, "decay"].text == number(medians[best], 3)
+    assert len(found.sentences) == 2 and all(escape(text) in page for text in found.sentences)
+    assert found.hardest in found.sentences[0] and "as fast as the full order" in found.sentences[1]
 
 
 def test_the_page_shows_the_failures_and_what_made_it(page):

@@ -35,7 +35,7 @@ rule report:
     params:
         tables_shown=plugs_shown("tables"),
         captions=outputs.captions({kind: plugs_shown(kind) for kind in MADE}),
-        provenance=code("report", *modules("tables")),
+        provenance=code("report", *modules("tables"), *modules("figures")),
     message:
         "report"
     script:

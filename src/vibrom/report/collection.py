@@ -19,7 +19,7 @@ from vibrom.artefacts.identity import FITTED_ONCE, attributes_of, check_place
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 
-OPEN = 64  # datasets that are kept in memory
+OPEN = 256  # datasets that are kept in memory
 
 
 class Key(NamedTuple):

@@ -2,7 +2,8 @@
 
 A table is a file in report/tables, a figure one in report/figures. Its docstring is its caption: a
 title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or the name of a study;
-PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene".
+PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene", and
+DATA, where its numbers are.
 A figure with GLANCE stands near the top of the page. ALSO names studies whose artefacts a table or
 figure needs besides those of its family. An experiment without a table of its own has one of its
 scores.
@@ -17,7 +18,7 @@ from vibrom.config import plugs, source
 
 FORMATS = {"tables": ("csv", "tex", "html"), "figures": ("svg", "pdf", "png")}
 MODELS = "models"
-NEEDED = {"tables": ("FAMILY", "PLACE"), "figures": ("FAMILY", "PLACE", "EACH")}
+NEEDED = {"tables": ("FAMILY", "PLACE"), "figures": ("FAMILY", "PLACE", "EACH", "DATA")}
 SCORES = (
     "Median over seeds, smallest and largest in parentheses. Failed seeds are left out, and there "
     "is no median where as many failed as did not; the outcome says how the seeds ended."
@@ -105,6 +106,23 @@ def also(family: str) -> list[str]:
 def at_a_glance(plug: str) -> bool:
     """Does this figure stand near the top of the page?"""
     return bool(_listed("figures")[plug].get("GLANCE", False))
+
+
+def family(kind: str, name: str) -> str:
+    """Of a table or a figure's file; that of an experiment's scores is models."""
+    return _listed(kind).get(name, {}).get("FAMILY", MODELS)
+
+
+def data(plug: str, scenes: Iterable[str]) -> list[str]:
+    """Files with the numbers of a figure, below the folder of results: its constant DATA names
+    tables, or artefacts as `{scene}/full_order/release.nc`.
+    """
+    found = [
+        name.format(scene=scene) if "/" in name else f"tables/{name}.csv"
+        for name in _listed("figures")[plug]["DATA"]
+        for scene in scenes
+    ]
+    return list(dict.fromkeys(found))
 
 
 def modules(kind: str, family: str) -> list[str]:

@@ -8,7 +8,7 @@ from importlib.resources import files
 from typing import NamedTuple
 
 import pandas as pd
-from jinja2 import Environment
+from jinja2 import Environment, FunctionLoader
 from markupsafe import Markup, escape
 
 from vibrom.artefacts.outcome import Outcome, Severity, Tally
@@ -118,13 +118,17 @@ def to_csv(table: Table, digest: str = "") -> str:
 def to_html(table: Table) -> Markup:
     """A `<table>` and nothing around it."""
 
-    def row(kind: str, cells: list[str], mark: str = "") -> str:
+    def line(cells: list[str], mark: str) -> str:
         flag = f' class="{mark}"' if mark else ""
-        return f"<tr{flag}>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+        first, *others = (escape(cell) for cell in cells)
+        rest = "".join(f"<td>{cell}</td>" for cell in others)
+        return f'<tr{flag}><th scope="row">{first}</th>{rest}</tr>'
 
-    lines = [row("td", *line) for line in zip(table.printed.lines, table.printed.marks)]
+    names = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in table.printed.head)
+    lines = [line(*row) for row in zip(table.printed.lines, table.printed.marks)]
     start = f'<table class="data" data-name="{escape(table.name)}">'
-    head = ["<thead>" + row("th", table.printed.head) + "</thead>", "<tbody>"]
+    title = f"<caption>{escape(table.name.replace('_', ' '))}, {len(lines)} rows</caption>"
+    head = [title, f"<thead><tr>{names}</tr></thead>", "<tbody>"]
     return Markup("\n".join([start, *head, *lines, "</tbody>", "</table>"]) + "\n")
 
 
@@ -155,13 +159,13 @@ def to_tex(table: Table, digest: str) -> str:
 
 
 def resource(name: str) -> str:
-    """A template or style sheet of this folder."""
-    return (files("vibrom.report") / name).read_text(encoding="utf-8")
+    """A template, script or style sheet."""
+    return (files("vibrom.report") / "templates" / name).read_text(encoding="utf-8")
 
 
 def render(template: str, **values) -> str:
     """A page made from a template."""
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    return environment.from_string(resource(template)).render(
-        css=Markup(resource("page.css")), **values
+    environment = Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(resource)
     )
+    return environment.get_template(template).render(css=Markup(resource("page.css")), **values)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from vibrom.artefacts.files import write
-from vibrom.report import failures, headline, page, tables
+from vibrom.report import failures, page, tables
 from vibrom.report.collection import Collection
 from vibrom.report.outputs import Caption
 from vibrom.report.scores import Scores
@@ -30,7 +30,7 @@ def run(
             pictures.setdefault(path.stem, {})[path.suffix.removeprefix(".")] = path.read_bytes()
     content = page.compose(
         collection=collection,
-        headline=headline.sections(made),
+        scores=scores,
         tables=list(made.values()),
         figures=pictures,
         captions={name: Caption(title, tuple(text)) for name, (title, text) in captions.items()},

@@ -16,6 +16,7 @@ from vibrom.report.drawing import panels, style
 FAMILY = "ablation"
 PLACE = 710
 EACH = "scene"
+DATA = ("ablation",)
 WHOLE = "nothing"  # what is left out of the whole scene
 AXES = ("time since release [s]", "time in the last forced period [s]")
 

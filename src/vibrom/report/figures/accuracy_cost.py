@@ -12,12 +12,15 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.drawing import panels, style
+from vibrom.report.plots import FRONT, Panel, Series
 from vibrom.report.scores import endings, offline
+from vibrom.studies.parts.work_precision import front
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 410
 EACH = "run"
+DATA = ("decay", "run_times")
 GLANCE = True
 FLOOR = 1e-5  # [s] a cost measured as zero is drawn here: the axis is logarithmic
 AXES = ("offline: data, mapping, dynamics [s]", "online: one decay [s]")
@@ -72,3 +75,50 @@ def mark_full_order(panel, price: float) -> None:
         panel.axvline(price, color="black", linewidth=1.2, linestyle=(0, (4, 2)))
         where = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": 7}
         panel.text(price, 0.02, "full order ", **where, transform=panel.get_xaxis_transform())
+
+
+def plot(collection, scores) -> list[Panel]:
+    """A marker a method: median over seeds, the bar spans those that have a value. Over the seconds
+    before the first prediction (offline) and those of one decay (online); down and to the left is
+    better. Grey: the Pareto front; dotted: the full order.
+    """
+    made = []
+    for name in collection.scenes:
+        lost, points = [], {"offline": [], "online": []}
+        for method in collection.methods:
+            error, seconds = (
+                scores.spread(name, method, "decay", "nmte_percent"),
+                scores.seconds(name, method),
+            )
+            if not np.isfinite(error.median):
+                ended = endings(collection, scores, name, method, "decay")
+                lost.append(f"{label(method)}: {ended}.")
+                continue
+            top = error.maximum if np.isfinite(error.maximum) else error.median
+            for kind, price in (("offline", offline(seconds)), ("online", seconds["decay_s"])):
+                ends = {"low": np.array([error.minimum]), "high": np.array([top])}
+                look = {"markersize": 6}
+                x, y = np.array([max(price, FLOOR)]), np.array([error.median])
+                points[kind].append(Series(method, x, y, mode="markers", look=look, **ends))
+        full = scores.seconds(name, FULL_ORDER)["decay_s"]
+        for (kind, series), axis in zip(points.items(), AXES):
+            limits = {"log": "xy", "switch": "xy", "notes": lost}
+            title = f"{name}, {kind}"
+            reference = [upright(full, series)] if kind == "online" and np.isfinite(full) else []
+            lines = [*reference, *pareto(series), *series]
+            made.append(Panel(title, axis, "decay NMTE [%]", lines, **limits))
+    return made
+
+
+def upright(seconds: float, series: list[Series]) -> Series:
+    """The full order as a vertical line beside these points."""
+    errors = np.array([one.y[0] for one in series] or [1.0])
+    ends = np.array([errors.min() / 2, errors.max() * 2])
+    return Series(FULL_ORDER, np.full(2, max(seconds, FLOOR)), ends, look={"linestyle": ":"})
+
+
+def pareto(series: list[Series]) -> list[Series]:
+    """Through the methods that no other one beats in both."""
+    x, y = (np.array([getattr(one, axis)[0] for one in series]) for axis in "xy")
+    best = front(x, y)
+    return [Series(FULL_ORDER, x[best], y[best], **FRONT)] if len(best) > 1 else []

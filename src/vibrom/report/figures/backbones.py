@@ -10,11 +10,14 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
 from vibrom.report.drawing import panels, style
+from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 480
 EACH = "run"
+DATA = ("backbone",)
+X, Y = "angular frequency [rad/s]", "probe amplitude [m]"
 
 
 def draw(collection, scores, scene=None) -> Figure:
@@ -24,7 +27,7 @@ def draw(collection, scores, scene=None) -> Figure:
     )
     handles, looks = {}, style.looks(collection.methods)
     for panel, name in zip(axes, collection.scenes):
-        panel.set(title=name, xlabel="angular frequency [rad/s]", ylabel="probe amplitude [m]")
+        panel.set(title=name, xlabel=X, ylabel=Y)
         truth = collection.find(name, FULL_ORDER, "backbone")
         notes = [] if truth is not None else ["full order: not in this run"]
         if curve(truth)[0].size:
@@ -56,19 +59,49 @@ def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
 
 
 def limits(panel, frequency: np.ndarray, amplitude: np.ndarray) -> tuple[float, float]:
-    """Of the frequency [rad/s]. The hardening is a few rad/s: a model that is far off is named
-    instead of squeezing all others together.
+    """Of the frequency [rad/s]: a model that is far off is named instead of squeezing all others
+    together.
     """
     if not frequency.size:
         return -np.inf, np.inf
-    width = max(np.ptp(frequency), 2e-3 * np.abs(frequency).mean())
-    low, high = frequency.min() - 1.2 * width, frequency.max() + 1.2 * width
-    panel.set_xlim(low, high)
-    panel.set_ylim(0, 1.12 * amplitude.max())
+    sides = view(frequency, amplitude)
+    panel.set_xlim(sides["x"])
+    panel.set_ylim(sides["y"])
     panel.locator_params(axis="x", nbins=5)
-    return low, high
+    return sides["x"]
 
 
 def absent(frequency: np.ndarray, amplitude: np.ndarray) -> str:
     """Why a model is not in the panel."""
     return f"outside, {np.median(frequency):.4g} rad/s" if frequency.size else "too few peaks"
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Amplitude of the probe against the instantaneous frequency in the test decay; of each method
+    the median seed. The full order chooses the frequencies: double-click shows all.
+    """
+    made = []
+    for name in collection.scenes:
+        truth, series, notes = collection.find(name, FULL_ORDER, "backbone"), [], []
+        if curve(truth)[0].size:
+            series.append(Series(FULL_ORDER, *curve(truth), mode="lines"))
+        for method in collection.methods:
+            seed, backbone = panels.drawn(collection, scores, name, method, "backbone")
+            points = curve(backbone)
+            if points[0].size:
+                look = {"linewidth": 1.2, "markersize": 3}
+                line = Series(method, *points, seed=seed, mode="lines+markers", look=look)
+                series.append(line)
+            if text := panels.ending(backbone, "backbone"):
+                notes.append(f"{label(method)}: {text}.")
+        made.append(Panel(name, X, Y, series, view=view(*curve(truth)), switch="y", notes=notes))
+    return made
+
+
+def view(frequency: np.ndarray, amplitude: np.ndarray) -> dict[str, tuple[float, float]]:
+    """The range of both axes by the full order; the hardening is a few rad/s."""
+    if not frequency.size:
+        return {}
+    width = max(np.ptp(frequency), 2e-3 * np.abs(frequency).mean())
+    sides = float(frequency.min() - 1.2 * width), float(frequency.max() + 1.2 * width)
+    return {"x": sides, "y": (0.0, 1.12 * float(amplitude.max()))}

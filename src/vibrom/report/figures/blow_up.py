@@ -15,6 +15,7 @@ from vibrom.report.drawing import panels, style
 FAMILY = "models"
 PLACE = 510
 EACH = "run"
+DATA = ("forced",)
 
 
 def first_failure(collection):

@@ -15,6 +15,7 @@ from vibrom.report.drawing.states import states
 FAMILY = "models"
 PLACE = 420
 EACH = "run"
+DATA = ("beam", "{scene}/full_order/release.nc")
 
 
 def draw(collection, scores, scene=None) -> Figure:

@@ -7,6 +7,8 @@ elements lock in shear when the body bends: the scene's own mesh is bold. Dotted
 error of the reference.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -16,11 +18,13 @@ from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, described
 from vibrom.report.drawing import panels, style
 from vibrom.report.drawing.cost import NOT_STUDIED
+from vibrom.report.plots import Panel, Series
 from vibrom.studies.parts.work_precision import observed_order
 
 FAMILY = "cost"
 PLACE = 610
 EACH = "run"
+DATA = ("cost_full_order",)
 GLANCE = True
 CONVERGED = 15.0  # %: larger errors are not yet those of the leading order
 ERRORS = {
@@ -151,3 +155,50 @@ def name_mesh(panel, one: xr.Dataset, question: str, body: dict) -> None:
     weight = "bold" if own else "normal"
     text += ", this scene" if own else ""
     panel.annotate(text, points(one), xytext=(4, 4), weight=weight, **SMALL)
+
+
+def plot(collection, scores) -> list[Panel]:
+    """A line a scheme over its time steps T/N, or an element over its meshes; which one is under
+    the pointer. Errors are against the same mesh with a fine step, or against the finest mesh.
+    """
+    made = []
+    for scene, dataset in cost.studied(collection, "cost_full_order").items():
+        for question, words in ERRORS.items():
+            part, of_mesh = dataset.sel(question=question), question in ("frequency", "response")
+            if of_mesh:
+                part = part.assign(seconds=dataset["seconds"].sel(question="response"))
+            lines = []
+            for index, (name, chosen) in enumerate(groups(part, of_mesh)):
+                x, y = points(chosen)
+                look = style.look(index) | {"linewidth": 1.2}
+                notes = [setting(chosen.isel(setting=at)) for at in range(chosen.sizes["setting"])]
+                line = {"mode": "lines+markers", "name": name, "notes": notes, "look": look}
+                lines.append(Series(FULL_ORDER, x, y, **line))
+            what = words.partition(":")[0]
+            title = f"{scene}, {what}{', meshes' if of_mesh else ''}"
+            axis = "wall time of one run [s]"
+            made.append(Panel(title, axis, words, lines, log="xy", switch="xy"))
+    return made
+
+
+def groups(part: xr.Dataset, of_mesh: bool) -> Iterator[tuple[str, xr.Dataset]]:
+    """The settings of each scheme or element, by their seconds."""
+    part = part.isel(
+        setting=np.flatnonzero(part["study"].values == ("mesh" if of_mesh else "step"))
+    )
+    named = [
+        str(one["element"].values)
+        if of_mesh
+        else f"α = {float(one['alpha']):g}, a(0) {one['initial_acceleration'].values}"
+        for one in (part.isel(setting=at) for at in range(part.sizes["setting"]))
+    ]
+    for name in dict.fromkeys(named):
+        chosen = part.isel(setting=[at for at, other in enumerate(named) if other == name])
+        yield name, chosen.isel(setting=np.argsort(chosen["seconds"].values))
+
+
+def setting(one: xr.Dataset) -> str:
+    """What was set."""
+    if str(one["study"].values) == "mesh":
+        return f"{int(one['columns'])} x {int(one['rows'])} cells"
+    return f"T/{int(one['steps_per_period'])}"

@@ -6,6 +6,8 @@ bottom: over seconds of one answer, beside those of the full order (dashed). Dow
 is better.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -13,12 +15,14 @@ from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, scalar
 from vibrom.report.drawing import cost as drawing
 from vibrom.report.drawing import panels
+from vibrom.report.plots import FRONT, Panel, Series
 from vibrom.studies.parts.work_precision import front
 from vibrom.thesis.labels import label
 
 FAMILY = "cost"
 PLACE = 620
 EACH = "run"
+DATA = ("cost_reduced",)
 GLANCE = True
 AXES = ("offline: data, mapping, dynamics [s]", "online: one answer [s]")
 TRUTH = {"decay": "test", "forced": "forced", "frc": "frc"}  # what the full-order model answers
@@ -78,3 +82,54 @@ def mark(panel, full: float) -> None:
         panel.axvline(full, color="black", linewidth=1.1, linestyle=(0, (4, 2)))
         where = {"rotation": 90, "ha": "right", "va": "top", "fontsize": 6.5}
         panel.text(full, 0.98, "full order ", **where, transform=panel.get_xaxis_transform())
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Small markers: settings that were varied, named under the pointer; large ones: as configured,
+    median over seeds. Grey: the Pareto front of all; dotted: the full order.
+    """
+    found, made = cost.pooled(collection), []
+    for scene in dict.fromkeys(one.scene for one in found):
+        mine = [one for one in found if one.scene == scene]
+        for question, words in drawing.ERRORS.items():
+            for price, axis in zip(("offline", question), AXES):
+                lines = [*pareto(mine, price, question), *settings(mine, price, question)]
+                if price == question:
+                    full = float(
+                        scalar(collection.find(scene, FULL_ORDER, TRUTH[question]), "seconds")
+                    )
+                    lines = [*beside(full, lines), *lines]
+                title = f"{scene}, {words.partition(':')[0]}, {axis.partition(':')[0]}"
+                made.append(Panel(title, axis, words, lines, log="xy", switch="xy"))
+    return made
+
+
+def settings(found: list[cost.Pooled], price: str, question: str) -> Iterator[Series]:
+    """Of each method: small markers for settings that were varied, large ones as configured."""
+    for method, group in cost.of_methods(found).items():
+        for configured, size in ((False, 3.2), (True, 7.0)):
+            chosen = [one for one in group if (one.varied == cost.CONFIGURED) == configured]
+            x = np.array([drawing.cost(one, price) for one in chosen])
+            y = np.array([one.error[question] for one in chosen])
+            notes = [f"{one.varied} {one.set_to}".strip() for one in chosen]
+            if np.isfinite(y).any():
+                look = {"markersize": size}
+                yield Series(method, x, y, mode="markers", notes=notes, look=look)
+
+
+def pareto(found: list[cost.Pooled], price: str, question: str) -> list[Series]:
+    """The settings that no other one beats in both."""
+    seconds = np.array([drawing.cost(one, price) for one in found])
+    errors = np.array([one.error[question] for one in found])
+    best = front(seconds, errors)
+    return [Series(FULL_ORDER, seconds[best], errors[best], **FRONT)] if len(best) > 1 else []
+
+
+def beside(seconds: float, lines: list[Series]) -> list[Series]:
+    """The full order as a vertical line."""
+    errors = np.concatenate([one.y for one in lines] or [np.zeros(0)])
+    errors = errors[np.isfinite(errors)]
+    if not (np.isfinite(seconds) and errors.size):
+        return []
+    ends = np.array([errors.min(), errors.max()])
+    return [Series(FULL_ORDER, np.full(2, seconds), ends, look={"linestyle": ":"})]

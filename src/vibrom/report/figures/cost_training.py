@@ -11,11 +11,13 @@ from matplotlib.figure import Figure
 from vibrom.report import cost
 from vibrom.report.drawing import cost as drawing
 from vibrom.report.drawing import panels
+from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
 FAMILY = "cost"
 PLACE = 630
 EACH = "run"
+DATA = ("cost_reduced",)
 GLANCE = True
 EPOCHS = ("epochs", "start.epochs")
 
@@ -64,3 +66,30 @@ def lines(panel, found: list[cost.Pooled], question: str, look: dict) -> dict:
             words = one.set_to if trained else f"p = {one.set_to}"
             panel.annotate(words, (one.fit, error), **small)
     return handles
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Small markers: a training of so many epochs, or a polynomial fit of this order, at the
+    seconds that it took; large ones: as configured. A gap is a model that failed.
+    """
+    found, made = cost.pooled(collection), []
+    for scene in dict.fromkeys(one.scene for one in found):
+        mine = cost.of_methods([one for one in found if one.scene == scene])
+        for question, words in drawing.ERRORS.items():
+            lines = []
+            for method, group in mine.items():
+                trained = [one for one in group if one.varied in EPOCHS]
+                chosen = trained or [one for one in group if one.varied.startswith("order")]
+                usual = [one for one in group if one.varied == cost.CONFIGURED]
+                for some, mode, size in ((chosen, "lines+markers", 3.2), (usual, "markers", 7.0)):
+                    x, y = (
+                        np.array(a)
+                        for a in ([one.fit for one in some], [one.error[question] for one in some])
+                    )
+                    notes = [f"{one.varied} {one.set_to}".strip() for one in some]
+                    if np.isfinite(y).any():
+                        look = {"markersize": size, "linewidth": 1.1}
+                        lines.append(Series(method, x, y, mode=mode, notes=notes, look=look))
+            axis, title = "fit: mapping and dynamics [s]", f"{scene}, {words.partition(':')[0]}"
+            made.append(Panel(title, axis, words, lines, log="xy", switch="xy"))
+    return made

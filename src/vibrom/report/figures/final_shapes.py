@@ -16,6 +16,7 @@ from vibrom.report.drawing import body, panels
 FAMILY = "models"
 PLACE = 500
 EACH = "run"
+DATA = ("forced",)
 
 WIDTH = 2.3  # [inches] of a panel
 

@@ -13,10 +13,13 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe, scalar
 from vibrom.report.drawing import panels, style
+from vibrom.report.plots import Panel, Series
+from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 490
 EACH = "scene"
+DATA = ("forced",)
 
 
 def draw(collection, scores, scene) -> Figure:
@@ -92,3 +95,32 @@ def compare(whole, last, truth, run) -> None:
         last.plot(time[late], values[late], **line)
     last.set_xlim(end - period, end)
     last.locator_params(axis="x", nbins=2)
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Displacement of the probe in the last period of the run forced from rest, which is what its
+    error is of. Of each method the median seed.
+    """
+    made = []
+    for name in collection.scenes:
+        truth, series, notes = collection.find(name, FULL_ORDER, "forced"), [], []
+        if answered(truth):
+            series.append(Series(FULL_ORDER, *last_period(truth, truth)))
+        for method in collection.methods:
+            seed, run = panels.drawn(collection, scores, name, method, "forced")
+            if answered(run):
+                line = {"seed": seed, "look": {"linewidth": 1.2}}
+                series.append(Series(method, *last_period(run, truth), **line))
+            if text := panels.ending(run, "forced run"):
+                notes.append(f"{label(method)}: {text}.")
+        words = "time in the last period [s]", "probe displacement [m]"
+        made.append(Panel(name, *words, series, notes=notes))
+    return made
+
+
+def last_period(run, truth) -> tuple[np.ndarray, np.ndarray]:
+    """Time from its beginning [s], and displacement of the probe [m]."""
+    period = float(scalar(truth, "period", scalar(run, "period")))
+    time, end = run["time"].values, float((run if truth is None else truth)["time"].values[-1])
+    late = time >= end - period * (1 + 1e-9)
+    return time[late] - (end - period), at_probe(run, "probe_displacement")[late]

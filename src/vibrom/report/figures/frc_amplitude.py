@@ -14,6 +14,7 @@ from vibrom.report.drawing import response
 FAMILY = "models"
 PLACE = 540
 EACH = "run"
+DATA = ("frc",)
 
 
 def draw(collection, scores, scene=None):
@@ -25,3 +26,11 @@ def draw(collection, scores, scene=None):
             top = min(1.7 * float(np.nanmax(at_probe(truth, "amplitude"))), panel.dataLim.y1)
             panel.set_ylim(-0.03 * top, top * (1.08 + 0.055 * count))
     return figure
+
+
+def plot(collection, scores):
+    """Largest displacement of the probe in the last period against the forcing frequency, every
+    point started from rest. Every seed is there, those that figures do not draw are faint; the
+    pointer tells how a point ended.
+    """
+    return response.plot(collection, scores, "amplitude", "probe amplitude [m]")

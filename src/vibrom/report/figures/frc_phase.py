@@ -13,6 +13,7 @@ from vibrom.report.drawing import response
 FAMILY = "models"
 PLACE = 550
 EACH = "run"
+DATA = ("frc",)
 TICKS = {-2: r"$-2\pi$", -1.5: r"$-3\pi/2$", -1: r"$-\pi$", -0.5: r"$-\pi/2$", 0: "0"}
 
 
@@ -24,3 +25,10 @@ def draw(collection, scores, scene=None):
         panel.set_yticks([part * np.pi for part in TICKS], list(TICKS.values()))
         panel.set_ylim(low * (1.06 + 0.075 * count), 0.25)
     return figure
+
+
+def plot(collection, scores):
+    """Phase of the probe's first harmonic relative to the forcing, every point started from rest.
+    Every seed is there, those that figures do not draw are faint.
+    """
+    return response.plot(collection, scores, "phase", "phase [rad]")

@@ -11,11 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from vibrom.report.drawing import panels, style
+from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 450
 EACH = "scene"
+DATA = ("run_times",)
 
 
 def draw(collection, scores, scene) -> Figure:
@@ -84,3 +86,30 @@ def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
                 epoch, np.where(values > 0, values, np.nan), **line
             )[0]
     return handles
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Total loss of each training against the epoch, dashed on the test trajectory where that is
+    recorded; the seeds that figures do not draw are faint.
+    """
+    made = []
+    for scene in collection.scenes:
+        series = []
+        for method in collection.methods:
+            chosen, _ = panels.drawn(collection, scores, scene, method, "losses")
+            for seed in collection.seeds(scene, method):
+                losses = collection.find(scene, method, "losses", seed)
+                if losses is None or losses.sizes.get("epoch", 0) == 0:
+                    continue
+                for role, dashes in (("train", "-"), ("test", (0, (4, 1.5)))):
+                    if f"{role}_total" in losses:
+                        total = losses[f"{role}_total"].values
+                        total = np.where(total > 0, total, np.nan)
+                        look = {"linewidth": 1.2, "linestyle": dashes}
+                        line = {"seed": seed, "name": role, "faint": seed != chosen, "look": look}
+                        epoch = losses["epoch"].values.astype(float)
+                        series.append(
+                            Series(method, *panels.thinned(epoch, total, limit=250), **line)
+                        )
+        made.append(Panel(scene, "epoch [–]", "total loss [–]", series, log="y", switch="xy"))
+    return made

@@ -11,10 +11,14 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import answered
 from vibrom.report.drawing import panels, style
+from vibrom.report.plots import Panel, Series
+from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 460
 EACH = "scene"
+RELATIVE = "z over its largest in the truth [–]", "dz/dt over its largest [–]"  # on the page
+DATA = ("decay",)
 
 
 def draw(collection, scores, scene) -> Figure:
@@ -67,3 +71,29 @@ def padded(values: np.ndarray) -> tuple[float, float]:
     """Limits from the truth, so that a model that ran away does not hide it."""
     largest = 1.35 * max(float(np.nanmax(np.abs(values))), 1e-300)
     return -largest, largest
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Each model's path in its own reduced coordinates, position and velocity over the largest of
+    the encoded truth: a model without error ends where the others do. Of each method the median
+    seed.
+    """
+    made = []
+    for scene in collection.scenes:
+        series, notes = [], []
+        for method in collection.methods:
+            seed, decay = panels.drawn(collection, scores, scene, method, "decay")
+            if answered(decay):
+                pair = [0, decay.sizes["coordinate"] // 2]
+                true, predicted = (
+                    decay[name].transpose("coordinate", "time").values[pair]
+                    for name in ("encoded", "reduced")
+                )
+                largest = np.nanmax(np.abs(true), axis=1, keepdims=True)
+                path = panels.thinned(*(predicted / largest), limit=600)
+                series.append(Series(method, *path, seed=seed, look={"linewidth": 1.0}))
+            if text := panels.ending(decay, "decay"):
+                notes.append(f"{label(method)}: {text}.")
+        words = {"view": {"x": (-1.2, 1.2), "y": (-1.2, 1.2)}, "notes": notes}
+        made.append(Panel(scene, *RELATIVE, series, **words))
+    return made

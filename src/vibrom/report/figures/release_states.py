@@ -16,6 +16,7 @@ from vibrom.report.drawing.states import states
 FAMILY = "models"
 PLACE = 430
 EACH = "run"
+DATA = ("{scene}/full_order/release.nc",)
 
 
 def draw(collection, scores, scene=None) -> Figure:

@@ -14,6 +14,7 @@ from vibrom.report.drawing import panels, style
 FAMILY = "robustness"
 PLACE = 820
 EACH = "scene"
+DATA = ("guards",)
 
 
 def draw(collection, scores, scene) -> Figure:

@@ -17,6 +17,7 @@ from vibrom.thesis.labels import label
 FAMILY = "robustness"
 PLACE = 810
 EACH = "scene"
+DATA = ("robustness",)
 SMALL = 6
 
 

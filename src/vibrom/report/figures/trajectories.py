@@ -13,6 +13,7 @@ from vibrom.report.drawing import panels
 FAMILY = "models"
 PLACE = 440
 EACH = "run"
+DATA = ("{scene}/full_order/train.nc", "{scene}/full_order/test.nc")
 
 LINES = {
     "train": {"color": "0.55", "linewidth": 1.0, "label": "training"},

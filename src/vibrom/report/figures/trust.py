@@ -16,6 +16,7 @@ from vibrom.thesis.labels import label
 FAMILY = "trust"
 PLACE = 830
 EACH = "run"
+DATA = ("trust",)
 
 
 def draw(collection, scores, scene=None) -> Figure:
