@@ -118,6 +118,8 @@ def test_the_new_study_has_its_table_and_its_figure(followed):
     assert sorted(set(rows["rtol"].astype(float))) == [1e-4, 1e-2]
     for form in ("svg", "pdf", "png"):
         assert (followed / f"results/figures/loose_integration.{form}").stat().st_size > 1000
+    page = (followed / "results/report.html").read_text()
+    assert 'id="loose_integration"' in page and 'data-plot="loose_integration"' in page
 
 
 def test_the_script_about_a_fitted_model_runs_and_predicts_as_the_scores_say(followed):

@@ -27,22 +27,20 @@ from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
 HEAVY = 400_000  # bytes: a drawing above this goes in as pixels
-SECTIONS = {  # id -> title, family of its figures and tables
-    "cost": ("Accuracy and cost", "cost"),
-    "motion": ("The beam moves", None),
-    "models": ("Decays, forced runs, response curves, backbones", "models"),
-    "ablation": ("Ablation: what each effect is worth", "ablation"),
-    "robustness": ("Robustness: far from the training data", "robustness"),
-    "thesis": ("Where the thesis and we differ, and why", None),
-    "failures": ("Failures", None),
-    "made": ("How it was made", None),
+SECTIONS = {  # a family of figures and tables, or a template -> title
+    "cost": "Accuracy and cost",
+    "motion": "The beam moves",
+    "models": "Decays, forced runs, response curves, backbones",
+    "ablation": "Ablation: what each effect is worth",
+    "robustness": "Robustness: far from the training data",
+    "trust": "Trust: how well models obey the equations of motion",
 }
-TEMPLATES = {
-    "motion": "motion.html.j2",
-    "thesis": "differences.html.j2",
-    "failures": "failures.html.j2",
-    "made": "made.html.j2",
+LAST = {
+    "differences": "Where the thesis and we differ, and why",
+    "failures": "Failures",
+    "made": "How it was made",
 }
+TEMPLATES = ("motion", *LAST)
 SCRIPTS = ("plots.js", "motion.js", "tables.js")
 # Paths of the markers of the legend, about their middle.
 MARKERS = {
@@ -138,6 +136,7 @@ class Figures:
         if hasattr(module, "plot") and (panels := module.plot(self.collection, self.scores)):
             self.data[plug] = [panel.figure(self.looks) for panel in panels]
             made |= {
+                "caption": plot_caption(made["caption"], module.plot.__doc__),
                 "panels": [panel.seen for panel in panels],
                 "switch": any(panel.switch for panel in panels),
                 "notes": [
@@ -171,21 +170,22 @@ class Figures:
 
 def sections(figures: list[dict], tables: list[dict]) -> list[dict[str, Any]]:
     """In reading order, each with what it holds and the entries of the contents."""
+    studies = {name: f"Study: {name.replace('_', ' ')}" for name in outputs.families()}
     made = []
-    for name, (title, family) in SECTIONS.items():
+    for name, title in {**SECTIONS, **(studies | SECTIONS), **LAST}.items():
         mine = {
             "figures": [one for one in figures if one["section"] == name],
-            "tables": [one for one in tables if family and one["family"] == family],
+            "tables": [one for one in tables if one["family"] == name],
         }
-        if family and not any(mine.values()):
+        if not any(mine.values()) and name not in TEMPLATES:
             continue
         entries = [
             (f"{kind[:-1]}-{one['name']}", one["caption"].title)
             for kind, found in mine.items()
             for one in found
         ]
-        about = {"id": name, "title": title, "entries": entries, "template": TEMPLATES.get(name)}
-        made.append(about | mine)
+        template = f"{name}.html.j2" if name in TEMPLATES else None
+        made.append({"id": name, "title": title, "entries": entries, "template": template, **mine})
     return made
 
 
@@ -241,6 +241,12 @@ def compose(
         label=label,
         number=number,
     )
+
+
+def plot_caption(caption: Caption, docstring: str | None) -> Caption:
+    """Title of the figure, and what `plot` says of itself."""
+    paragraphs = [" ".join(part.split()) for part in (docstring or "").split("\n\n")]
+    return Caption(caption.title, tuple(part for part in paragraphs if part))
 
 
 def section_of(plug: str) -> str:

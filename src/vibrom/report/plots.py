@@ -1,8 +1,8 @@
 """Interactive plots of the page: series in panels, written as data and layout for Plotly.
 
 A figure's file may have `plot(collection, scores) -> list[Panel]` beside its `draw`; the page then
-shows these panels instead of the drawing, and the drawing stays for print. Colours, dashes and
-markers are those of the figures.
+shows these panels instead of the drawing, with the docstring of `plot` as caption, and the drawing
+stays for print. Colours, dashes and markers are those of the figures.
 """
 
 from __future__ import annotations

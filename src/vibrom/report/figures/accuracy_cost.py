@@ -78,7 +78,10 @@ def mark_full_order(panel, price: float) -> None:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """Two panels a scene: over the seconds offline, and over those of one decay."""
+    """A marker a method: median over seeds, the bar spans those that have a value. Over the seconds
+    before the first prediction (offline) and those of one decay (online); down and to the left is
+    better. Grey: the Pareto front; dotted: the full order.
+    """
     made = []
     for name in collection.scenes:
         lost, points = [], {"offline": [], "online": []}

@@ -158,7 +158,9 @@ def name_mesh(panel, one: xr.Dataset, question: str, body: dict) -> None:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """Four panels a scene; a line a scheme over its time steps, or an element over its meshes."""
+    """A line a scheme over its time steps T/N, or an element over its meshes; which one is under
+    the pointer. Errors are against the same mesh with a fine step, or against the finest mesh.
+    """
     made = []
     for scene, dataset in cost.studied(collection, "cost_full_order").items():
         for question, words in ERRORS.items():

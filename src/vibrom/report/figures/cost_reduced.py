@@ -85,7 +85,9 @@ def mark(panel, full: float) -> None:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """Two panels a scene and question: over the seconds offline, and over those of an answer."""
+    """Small markers: settings that were varied, named under the pointer; large ones: as configured,
+    median over seeds. Grey: the Pareto front of all; dotted: the full order.
+    """
     found, made = cost.pooled(collection), []
     for scene in dict.fromkeys(one.scene for one in found):
         mine = [one for one in found if one.scene == scene]

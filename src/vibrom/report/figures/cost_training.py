@@ -69,7 +69,9 @@ def lines(panel, found: list[cost.Pooled], question: str, look: dict) -> dict:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """A panel a scene and question."""
+    """Small markers: a training of so many epochs, or a polynomial fit of this order, at the
+    seconds that it took; large ones: as configured. A gap is a model that failed.
+    """
     found, made = cost.pooled(collection), []
     for scene in dict.fromkeys(one.scene for one in found):
         mine = cost.of_methods([one for one in found if one.scene == scene])

@@ -53,7 +53,9 @@ def draw(collection, scores, scene) -> Figure:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """A panel a scene, at first its last periods, where errors of the frequency have added up."""
+    """Displacement of the probe in the last periods of the test decay, where errors of the
+    frequency have added up; double-click shows all of it. Of each method the median seed.
+    """
     made = []
     for name in collection.scenes:
         truth, series, notes, view = collection.find(name, FULL_ORDER, "test"), [], [], {}
@@ -62,7 +64,9 @@ def plot(collection, scores) -> list[Panel]:
             time, motion = panels.thinned(truth["time"].values, motion, limit=POINTS)
             series.append(Series(FULL_ORDER, time - time[0], motion))
             last = float(time[-1] - time[0])
-            view = {"x": (last - LAST * float(truth["period"]), last)}
+            late = time - time[0] > last - LAST * float(truth["period"])
+            top = 1.5 * float(np.nanmax(np.abs(motion[late])))
+            view = {"x": (last - LAST * float(truth["period"]), last), "y": (-top, top)}
         for method in collection.methods:
             seed, decay = panels.drawn(collection, scores, name, method, "decay")
             if answered(decay):

@@ -98,7 +98,9 @@ def compare(whole, last, truth, run) -> None:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """A panel a scene: the last period, which is what errors are of."""
+    """Displacement of the probe in the last period of the run forced from rest, which is what its
+    error is of. Of each method the median seed.
+    """
     made = []
     for name in collection.scenes:
         truth, series, notes = collection.find(name, FULL_ORDER, "forced"), [], []

@@ -29,5 +29,8 @@ def draw(collection, scores, scene=None):
 
 
 def plot(collection, scores):
-    """A panel a scene, with every seed."""
+    """Largest displacement of the probe in the last period against the forcing frequency, every
+    point started from rest. Every seed is there, those that figures do not draw are faint; the
+    pointer tells how a point ended.
+    """
     return response.plot(collection, scores, "amplitude", "probe amplitude [m]")

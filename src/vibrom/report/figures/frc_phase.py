@@ -28,5 +28,7 @@ def draw(collection, scores, scene=None):
 
 
 def plot(collection, scores):
-    """A panel a scene, with every seed."""
+    """Phase of the probe's first harmonic relative to the forcing, every point started from rest.
+    Every seed is there, those that figures do not draw are faint.
+    """
     return response.plot(collection, scores, "phase", "phase [rad]")

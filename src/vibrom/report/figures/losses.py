@@ -89,7 +89,9 @@ def curves(panel, losses, terms: list[str]) -> dict[str, Line2D]:
 
 
 def plot(collection, scores) -> list[Panel]:
-    """A panel a scene: total losses of all seeds, those of the test trajectory dashed."""
+    """Total loss of each training against the epoch, dashed on the test trajectory where that is
+    recorded; the seeds that figures do not draw are faint.
+    """
     made = []
     for scene in collection.scenes:
         series = []
