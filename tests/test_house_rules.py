@@ -1,15 +1,17 @@
-"""How large things may be: files, functions and lists of arguments, at 100 columns.
+"""How large things may be, at 100 columns, and how many files one more of each kind takes.
 
 What is larger says why, here; an exception that is no longer one is an error too.
 """
 
-import ast
-from pathlib import Path
+import shutil
+import subprocess
+import sys
 
+import counts
 import pytest
 
-LINES, FUNCTION, ARGUMENTS = 300, 50, 8
-SOURCE = Path(__file__).parents[1] / "src/vibrom"
+from vibrom.config import plugs, source
+
 # file -> why it is longer
 LONG_FILES: dict[str, str] = {}
 # file:function -> why it is longer
@@ -22,54 +24,51 @@ MANY_ARGUMENTS: dict[str, str] = {
 }
 
 
-def functions():
-    """(file:qualified name, lines without the docstring, arguments) of every function."""
-    found = []
-    for path in sorted(SOURCE.rglob("*.py")):
-        name = str(path.relative_to(SOURCE))
-        stack = [(ast.parse(path.read_text()), "")]
-        while stack:
-            node, home = stack.pop()
-            for item in ast.iter_child_nodes(node):
-                named = isinstance(item, (ast.FunctionDef, ast.ClassDef))
-                stack.append((item, f"{home}{item.name}." if named else home))
-                if isinstance(item, ast.FunctionDef):
-                    found.append((f"{name}:{home}{item.name}", body_lines(item), arguments(item)))
-    return found
-
-
-def body_lines(function):
-    """Lines of the body; a docstring is no length to be ashamed of."""
-    first = function.body[0]
-    documented = ast.get_docstring(function) is not None
-    start = first.end_lineno + 1 if documented else first.lineno
-    return function.end_lineno - start + 1
-
-
-def arguments(function):
-    """How many a caller can give, `self` and `cls` left out."""
-    given = function.args
-    names = [item.arg for item in (*given.posonlyargs, *given.args, *given.kwonlyargs)]
-    return len([name for name in names if name not in ("self", "cls")])
-
-
-def files():
-    """(file, lines)."""
-    return [
-        (str(path.relative_to(SOURCE)), len(path.read_text().splitlines()))
-        for path in sorted(SOURCE.rglob("*.py"))
-    ]
-
-
 @pytest.mark.parametrize(
     ("measured", "limit", "exceptions"),
     [
-        (lambda: files(), LINES, LONG_FILES),
-        (lambda: [(name, lines) for name, lines, _ in functions()], FUNCTION, LONG_FUNCTIONS),
-        (lambda: [(name, count) for name, _, count in functions()], ARGUMENTS, MANY_ARGUMENTS),
+        (lambda: counts.files(), counts.LINES, LONG_FILES),
+        (lambda: [found[:2] for found in counts.functions()], counts.FUNCTION, LONG_FUNCTIONS),
+        (lambda: [found[::2] for found in counts.functions()], counts.ARGUMENTS, MANY_ARGUMENTS),
     ],
     ids=["lines of a file", "lines of a function", "arguments"],
 )
 def test_what_is_larger_says_why(measured, limit, exceptions):
     larger = {name: size for name, size in measured() if size > limit}
     assert larger.keys() == exceptions.keys(), larger
+
+
+def test_no_line_is_longer_than_the_page():
+    columns, where = counts.longest_lines()
+    assert columns <= counts.COLUMNS, where
+
+
+def test_no_imports_lead_back_to_where_they_begin():
+    assert counts.circles() == []
+
+
+def test_a_study_with_its_table_and_figure_is_three_files():
+    """Those that docs/ adds, which another test runs through the workflow."""
+    added = [name for name in counts.added_by_docs() if "loose_integration" in name]
+    assert len(added) == counts.PLUGS["study"][1]
+    others = {"experiments": 1, "effects": 1}
+    for folder, most in others.items():
+        names = [name for name in counts.added_by_docs() if f"vibrom/{folder}/" in name]
+        assert len(names) == most
+
+
+@pytest.mark.parametrize("plug", ["body", "integrator", "output", "experiment"])
+def test_one_more_is_one_file(plug, tmp_path):
+    """A copy of a plug under another name is found, and its settings are read."""
+    folder, _ = counts.PLUGS[plug]
+    copied = tmp_path / "vibrom"
+    shutil.copytree(source.PACKAGE, copied, ignore=shutil.ignore_patterns("__pycache__"))
+    first = next(name for name in plugs.names(folder) if name not in ("space",))
+    shutil.copy(copied / folder / f"{first}.py", copied / folder / "one_more.py")
+    code = (
+        "from vibrom.config import plugs; "
+        f"assert 'one_more' in plugs.names({folder!r}); "
+        f"{folder!r} in plugs.PLUGS and plugs.settings_of({folder!r}, 'one_more')"
+    )
+    environment = {"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin"}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)

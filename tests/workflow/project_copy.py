@@ -29,7 +29,7 @@ def copy(folder: Path, *names: str) -> Path:
     """The configuration, the rules and the profile of the repository, free to edit, and what else
     is named.
     """
-    for name in ("config", "workflow", "profiles", *names):
+    for name in ("config", "workflow", "profiles", "envs", *names):
         shutil.copytree(ROOT / name, folder / name)
     shutil.copy(ROOT / "Snakefile", folder)
     return folder
