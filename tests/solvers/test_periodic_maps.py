@@ -230,7 +230,13 @@ def test_what_a_load_adds_beside_a_manifold_is_in_the_motion_over_a_period():
     drive = Drive(np.array([amplitude]), np.array([frequency]))
     run = model.motion(np.zeros((1, 2)), drive, Watch(instants, model.probes))
     np.testing.assert_allclose(swing[0, ::8], run.displacement[0][0, :, 0], atol=1e-4)
-    alone = plain.return_map().swings(
-        from_rest(flow, frequency, amplitude)[None], np.array([frequency]), np.array([amplitude])
-    )[0].displacement
+    alone = (
+        plain.return_map()
+        .swings(
+            from_rest(flow, frequency, amplitude)[None],
+            np.array([frequency]),
+            np.array([amplitude]),
+        )[0]
+        .displacement
+    )
     assert np.abs(swing - alone).max() > 0.005
