@@ -16,7 +16,8 @@ OVERLAY = """
 scenes: [small, large]
 methods: [modal_projection, split, split_plus]
 seeds: [0, 1]
-experiments: [reconstruction, decay, backbone, forced, frc, eigenvalues, run_times]
+experiments:
+  [reconstruction, decay, backbone, forced, frc, branches, sweeps, eigenvalues, run_times]
 integrator: {rtol: 1.0e-4, atol: 1.0e-6}
 scene_settings:
   all:
@@ -32,6 +33,9 @@ scene_settings:
     releases: {train: {forcing: 200.0, step: 250}, test: {forcing: 200.0, step: 200}}
   large:
     releases: {train: {forcing: 600.0, step: 250}, test: {forcing: 600.0, step: 200}}
+    experiments:
+      branches: {forcing: 100.0, lowest: 0.9, highest: 1.1, points: 12}
+      sweeps: {forcing: 100.0, periods: 2, settle: 0, frequencies: 3}
 method_settings:
   split: {epochs: 2, rank: 6}
 studies:
@@ -110,14 +114,14 @@ class SmallRun:
         for role in ("train", "test"):
             path = f"{home}/{role}.nc"
             self.step("record", "trajectory", path, scene=blocks, role=role, **known)
-        for name in self.in_order():
+        for name in self.in_order(scene):
             if plugs.constants("experiments", name)["of_full_order"]:
                 self.ask(scene, "full_order", None, name, scene=blocks)
 
-    def in_order(self) -> list[str]:
-        """The experiments, each after those that it reads."""
+    def in_order(self, scene: str) -> list[str]:
+        """The experiments of a scene, each after those that it reads."""
         return sorted(
-            self.settings.experiments,
+            self.settings.asked(scene),
             key=lambda name: len(plugs.constants("experiments", name)["reads"]),
         )
 
@@ -180,7 +184,7 @@ class SmallRun:
             start=start and self.at(scene, "rom", "/".join(start)),
         )
         rom = self.at(scene, "rom", f"{method}/{folder}")
-        for name in self.in_order():
+        for name in self.in_order(scene):
             self.ask(scene, f"{method}/{folder}", seed, name, rom=rom)
 
     def study(self, scene: str, name: str) -> None:

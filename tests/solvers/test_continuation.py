@@ -98,6 +98,19 @@ def test_a_root_between_two_points_is_found():
     assert onto.p == pytest.approx(0.65) and onto.x[0] < -1.0
 
 
+def test_corrections_of_rounding_size_may_grow():
+    """A prediction that is good to rounding is not lost because the next correction is larger."""
+    start = continuation.at(cubic, np.array([-2.5, 8.25]), 2.5 - 2.5**3 / 3, Pace(scale=1.0))
+    sizes = iter([1e-12, 1e-9, 1e-12])
+
+    def problem(x, p, derivative):
+        value = cubic(x, p, derivative)
+        return replace(value, residual=np.array([next(sizes), 0.0]))
+
+    point = continuation.beyond(problem, start, 0.1, Pace(scale=1.0))
+    assert point.iterations == 2 and point.arc == pytest.approx(0.1)
+
+
 def test_no_solution_is_reported_as_lost():
     """p = x^2 ends at p = 0: nothing is found below, and steps cannot become shorter for ever."""
 

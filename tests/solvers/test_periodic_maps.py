@@ -2,7 +2,7 @@
 periods against whole ones, and the motion itself against long time marching.
 """
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import periodic_systems as systems
@@ -12,6 +12,8 @@ from scipy.integrate import solve_ivp
 
 from vibrom import effects
 from vibrom.bodies import space
+from vibrom.models.model import Drive, Watch
+from vibrom.models.rollout import Integrator
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.periodic import symmetry
 from vibrom.solvers.periodic.equations import from_rest
@@ -207,3 +209,34 @@ def test_a_motion_that_does_not_last_is_no_error():
     for flow in (systems.reduced(**soft).return_map(), systems.full_order(**soft).return_map()):
         found = flow(flow.of_state(np.array([3.0, 0.0])), 1.0, 0.0)
         assert not found.ok or np.linalg.norm(found.end) > 1e3
+
+
+def test_what_a_load_adds_beside_a_manifold_is_in_the_motion_over_a_period():
+    """As in a long run of the same model, whose steps are others."""
+    plain = systems.reduced(**systems.DUFFING)
+
+    class Beside(type(plain.rom)):
+        def beside(self, z, p, dofs=None):
+            return np.stack([0.3 * z[..., :1], 0.1 + 0.0 * z[..., :1]])
+
+    rom = Beside(**{item.name: getattr(plain.rom, item.name) for item in fields(plain.rom)})
+    model = replace(plain, rom=rom, integrator=Integrator(rtol=1e-11, atol=1e-12))
+    frequency, amplitude, periods = 0.7, 0.1, 60  # what is left of the start: exp(-0.02 * 540)
+    flow = model.return_map()
+    swing = flow.swings(
+        from_rest(flow, frequency, amplitude)[None], np.array([frequency]), np.array([amplitude])
+    )[0].displacement
+    instants = 2.0 * np.pi / frequency * (periods + np.arange(64) / 64)
+    drive = Drive(np.array([amplitude]), np.array([frequency]))
+    run = model.motion(np.zeros((1, 2)), drive, Watch(instants, model.probes))
+    np.testing.assert_allclose(swing[0, ::8], run.displacement[0][0, :, 0], atol=1e-4)
+    alone = (
+        plain.return_map()
+        .swings(
+            from_rest(flow, frequency, amplitude)[None],
+            np.array([frequency]),
+            np.array([amplitude]),
+        )[0]
+        .displacement
+    )
+    assert np.abs(swing - alone).max() > 0.005

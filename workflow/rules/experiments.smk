@@ -5,7 +5,8 @@
 include: "common/experiments.smk"
 
 
-PRIORITY = {"frc": 90, "forced": 60}  # of the full order: the longest first
+# Of the full order: the longest first.
+PRIORITY = {"sweeps": 96, "branches": 94, "frc": 90, "forced": 60}
 
 for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
 

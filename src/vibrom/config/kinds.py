@@ -19,6 +19,7 @@ NonNegative = Annotated[float, Meta(ge=0)]
 Fraction = Annotated[float, Meta(ge=0, le=1)]
 Ratio = Annotated[float, Meta(ge=0, lt=1)]
 Tolerance = Annotated[float, Meta(gt=0, le=0.1)]  # relative
+Turn = Annotated[float, Meta(gt=0, le=1)]  # rad
 PoissonRatio = Annotated[float, Meta(gt=-1, lt=0.5)]
 
 Count = Annotated[int, Meta(ge=1)]

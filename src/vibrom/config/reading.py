@@ -74,14 +74,18 @@ def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
 
 
 def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
-    """Settings of every experiment that the scene sets, that is asked, or that needs none."""
+    """Settings of every experiment that the scene sets, that is asked, or that needs none; of one
+    that runs `where_set` only what the scene sets.
+    """
     given, known = layers.content.get("experiments", {}), plugs.names("experiments")
     for name in given:
         layers.check_known(("experiments", name), name, known, "experiment")
     made = {}
     for name in known:
         kind = plugs.settings_of("experiments", name)
-        if name in given or name in asked or not plugs.must_be_given(kind):
+        chosen = plugs.constants("experiments", name)["where_set"]
+        everywhere = not chosen and (name in asked or not plugs.must_be_given(kind))
+        if name in given or everywhere:
             made[name] = block(layers, ("experiments", name), kind)
     return made
 

@@ -73,6 +73,10 @@ class Settings:
             return None
         return start, folder if self.methods[start].seeded else UNSEEDED
 
+    def asked(self, scene: str) -> list[str]:
+        """The experiments of the run in which a scene takes part."""
+        return [name for name in self.experiments if name in self.scenes[scene].experiments]
+
     def modules_of(self, scene: str) -> list[str]:
         """The modules of a scene's body and effects, below vibrom."""
         made = self.scenes[scene]

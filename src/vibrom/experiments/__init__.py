@@ -11,6 +11,7 @@ A file defines one frozen dataclass below `Experiment`. Its fields are its setti
                    order's answer to it; None where there is nothing to compare with
     of_full_order  whether the full order is evaluated too
     of_model       whether a model is evaluated; False where only other answers are read
+    where_set      whether a scene takes part only if its file has a block of the experiment's name
 """
 
 from __future__ import annotations
@@ -52,6 +53,7 @@ class Experiment(ABC):
     truth: ClassVar[str | None] = None
     of_full_order: ClassVar[bool] = True
     of_model: ClassVar[bool] = True
+    where_set: ClassVar[bool] = False
 
     @abstractmethod
     def ask(self, model: Model, given: Given) -> xr.Dataset:

@@ -13,6 +13,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Count, NonNegative, Positive, Turn
 from vibrom.experiments import Experiment, Given
 from vibrom.models.curves import Curve, difference
 from vibrom.models.measures import periodic
@@ -30,13 +31,13 @@ HARMONICS = 8  # 0 to 7 are kept
 class Branches(Experiment):
     """One forcing amplitude, a range of frequencies."""
 
-    forcing: float  # amplitude, times the scene's load
-    lowest: float = 0.8  # times the damped first frequency
-    highest: float = 1.2  # times the damped first frequency
-    points: int = 250  # at most, of all branches
-    turn: float = 0.25  # rad, that a branch may turn between two points
-    minor: float = 1e-3  # times the damped first frequency: two folds that are closer are minor
-    frequencies: int = 33  # at which stable motions are counted, as in the curve from rest
+    forcing: Positive  # amplitude, times the scene's load
+    lowest: Positive = 0.8  # times the damped first frequency
+    highest: Positive = 1.2  # times the damped first frequency
+    points: Count = 250  # at most, of all branches
+    turn: Turn = 0.25  # rad, that a branch may turn between two points
+    minor: NonNegative = 1e-3  # times the damped first frequency: two folds this close are minor
+    frequencies: Count = 33  # at which stable motions are counted, as in the curve from rest
 
     scores = {
         "folds": "1",
@@ -50,6 +51,7 @@ class Branches(Experiment):
         "wrong_stable_motions": "1",
     }
     truth = "branches"
+    where_set = True
 
     def brief(self) -> "Branches":
         """A few points."""

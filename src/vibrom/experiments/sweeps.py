@@ -13,6 +13,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.config.kinds import Count, Positive, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
@@ -28,13 +29,13 @@ SIDES = ("before", "after")
 class Sweeps(Experiment):
     """One forcing amplitude, equal steps of the frequency."""
 
-    forcing: float  # amplitude, times the scene's load
-    periods: int = 60  # at each frequency
-    settle: int = 100  # more periods at the first one, which begins from rest
-    frequencies: int = 33
-    lowest: float = 0.8  # times the damped first frequency
-    highest: float = 1.2  # times the damped first frequency
-    halvings: int = 3  # of the step in which a jump was seen
+    forcing: Positive  # amplitude, times the scene's load
+    periods: Count = 60  # at each frequency
+    settle: Whole = 100  # more periods at the first one, which begins from rest
+    frequencies: Count = 33  # from the lowest to the highest
+    lowest: Positive = 0.8  # times the damped first frequency
+    highest: Positive = 1.2  # times the damped first frequency
+    halvings: Whole = 3  # of the step in which a jump was seen
 
     scores = {
         "jumps": "1",
@@ -44,6 +45,7 @@ class Sweeps(Experiment):
         "peak_error_percent": "percent",
     }
     truth = "sweeps"
+    where_set = True
 
     def brief(self) -> "Sweeps":
         """Two frequencies, one period each."""

@@ -105,6 +105,7 @@ class Reduced:
             encode=rom.encode,
             decode=rom.decode,
             displacement=lambda z: rom.displacement(z, self.probes),
+            beside=lambda z: rom.beside(z, self.load, self.probes),
             reach=rom.reach,
             frequency=self.frequency,
         )

@@ -96,7 +96,7 @@ def predictions(collection: Collection, scores: Scores) -> Iterable[Failure]:
                     errors += [score.value] if score.metric == "nmte_percent" else []
     for (scene, method, experiment, ended), seeds in groups.items():
         runs = [collection.find(scene, method, experiment, seed) for seed in seeds]
-        when = extent(float(scalar(run, "failed_at")) for run in runs)
+        when = extent(time for run in runs for time in np.ravel(scalar(run, "failed_at")))
         new = Failure(scene, method, [], ended, ended.severity, when, seed_list(seeds))
         made = found.setdefault((scene, method, ended, new.seeds, when), new)
         made.experiments.append(experiment.replace("_", " "))

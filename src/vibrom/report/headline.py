@@ -21,7 +21,7 @@ from vibrom.report.table import Table
 from vibrom.thesis.labels import label
 
 FOOTNOTE = "* outside the range of its training data"
-TABLES = ("decay", "forced", "run_times", "checks")  # that the headline is made of
+TABLES = ("decay", "forced", "folds", "run_times", "checks")  # that the headline is made of
 WIDTH = 100
 
 
@@ -55,6 +55,12 @@ def ending(tally: Tally) -> tuple[str, str]:
     notes = [f"{tally[one]} of {total} {one.replace('_', ' ')}" for one in others]
     notes += [f"{left} of {total}*"] if left and well else []
     return "*" if left and not well else "", f" {', '.join(notes)}" if notes else ""
+
+
+def folds(row: Row) -> str:
+    """How many seeds have the full order's folds, and the error of the highest point."""
+    peak = number(row["peak_error_percent"], 3)
+    return f"{row['alike']} of {row['seeds']}{'' if peak == GONE else f', {peak}'}"
 
 
 def cost(rows: Sequence[Row]) -> Callable[[Row], str]:
@@ -94,12 +100,16 @@ def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
     made = {
         "Decay: NMTE in %, median over seeds (thesis)": ("decay", error),
         "Forced run, last period: NMTE in %, median over seeds (thesis)": ("forced", error),
+        "Response curve: seeds with the full order's folds, error of the peak in %": (
+            "folds",
+            folds,
+        ),
         "Cost: offline seconds, speed-up of one decay over the full order": (
             "run_times",
             cost(rows.get("run_times", [])),
         ),
     }
-    return {title: grid(rows[name], cell) for title, (name, cell) in made.items() if name in rows}
+    return {title: grid(rows[name], cell) for title, (name, cell) in made.items() if rows.get(name)}
 
 
 def show(tables: Mapping[str, Table], places: dict[str, str], console: Console) -> None:

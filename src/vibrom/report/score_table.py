@@ -24,9 +24,11 @@ def heading(metric: str, unit: str) -> str:
 
 
 def build(experiment: str, collection: Collection, scores: Scores) -> list[Row]:
-    """Of every model that took part; the full order where it was evaluated too."""
-    rows = []
+    """Of every model of the scenes that took part; the full order where it was evaluated too."""
+    scenes, rows = {key.scene for key in collection.loaders if key.name == experiment}, []
     for scene, model in collection.models:
+        if scene not in scenes:
+            continue
         scored = scores.of_experiment(scene, model, experiment)
         if scored or model != FULL_ORDER:
             row = {"case": scene, "method": model, "seeds": len(collection.seeds(scene, model))}

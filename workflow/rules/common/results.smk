@@ -27,8 +27,14 @@ def of_models(scenes, names):
     ]
 
 
-EVALUATED = [name for name in SETTINGS.experiments if EXPERIMENTS[name]["of_full_order"]]
-PREDICTIONS = of_models(SCENES, SETTINGS.experiments) + of_full_order(SCENES, EVALUATED)
+def predictions(scene):
+    """What all models of a scene answer."""
+    names = SETTINGS.asked(scene)
+    evaluated = [name for name in names if EXPERIMENTS[name]["of_full_order"]]
+    return of_models([scene], names) + of_full_order([scene], evaluated)
+
+
+PREDICTIONS = [path for scene in SCENES for path in predictions(scene)]
 FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
 

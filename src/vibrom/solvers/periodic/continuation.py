@@ -129,7 +129,8 @@ class _Corrector:
                 self.prepare(value)
             change = self.correction(value, float(self.normal @ (u - guess)))
             size = float(np.linalg.norm(change))
-            if not np.isfinite(size) or size > 2.0 * before or size > 1.0:
+            # Below the tolerance they are rounding, which may grow.
+            if not size <= max(min(2.0 * before, 1.0), self.pace.tolerance):
                 raise Lost("corrections grow")
             u = u + change
             if exact and size <= self.pace.near and not value.rough:

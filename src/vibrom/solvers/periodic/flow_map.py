@@ -55,6 +55,9 @@ class FlowMap:
     encode: Callable[[np.ndarray], np.ndarray]  # z (b, r) of states (b, 2n)
     decode: Callable[[np.ndarray], np.ndarray]  # states (b, 2n) of z (b, r)
     displacement: Callable[[np.ndarray], np.ndarray]  # (b, k) m at the probes
+    # (2, b, k) m that a unit of the signal, and of it a quarter of a period earlier, adds there
+    # beside the manifold; None where nothing is known of it
+    beside: Callable[[np.ndarray], np.ndarray | None]
     reach: np.ndarray  # (r,) Z
     frequency: float  # rad/s, a scale
     steps: _Steps = field(default_factory=_Steps)
@@ -100,7 +103,12 @@ class FlowMap:
         """The motions over a period from x (b, r), interpolated by their harmonics."""
         _, path = self._periods(np.column_stack([x, frequency, amplitude]), KEPT)
         ratio = np.abs(path).max(axis=(1, 2))
-        shown = self.displacement((path * self.reach).reshape(-1, self.size))
+        z = (path * self.reach).reshape(-1, self.size)
+        shown, added = self.displacement(z), self.beside(z)
+        if added is not None:
+            angle = 2.0 * np.pi * np.arange(KEPT) / KEPT
+            waves = np.stack([np.sin(angle), np.cos(angle)])[:, None] * amplitude[:, None]
+            shown = shown + np.einsum("wb,wbk->bk", waves.reshape(2, -1), added)
         shown = shown.reshape(len(x), KEPT, -1).transpose(0, 2, 1)
         finite = np.isfinite(shown).all(axis=(1, 2))
         fine = np.full((*shown.shape[:2], SHOWN), np.nan)

@@ -1,0 +1,83 @@
+"""A panel for each scene and model, with the full order's response curve behind it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.models.curves import Curve
+from vibrom.report.branches import curve, scenes
+from vibrom.report.collection import FULL_ORDER, Collection
+from vibrom.report.drawing import panels
+from vibrom.report.scores import Scores
+
+STABLE, UNSTABLE = {"linestyle": "-"}, {"linestyle": (0, (1.2, 1.2))}
+BEHIND = {"color": "0.72", "linewidth": 2.2}
+FRONT = {"color": "#8a2a0b", "linewidth": 0.9}
+
+
+def draw(
+    collection: Collection,
+    scores: Scores,
+    name: str,
+    show: Callable[[Any, Collection, str, str, int | None], None],
+    full_order: bool = False,
+) -> Figure:
+    """`show` fills the panel of a scene, a model and its median seed; `name` is what it shows."""
+    first = [FULL_ORDER] if full_order else []
+    models = [
+        (scene, model)
+        for scene in scenes(collection, name)
+        for model in (*first, *collection.methods)
+    ]
+    figure, axes = panels.grid(max(1, len(models)), columns=4, size=(2.4, 1.9), legend=0.4)
+    for panel in axes:
+        panel.set(xlabel="forcing frequency [rad/s]", ylabel="probe amplitude [m]")
+    for panel, (scene, model) in zip(axes, models):
+        seed, answer = panels.drawn(collection, scores, scene, model, name)
+        panel.set_title(f"{scene}, {panels.title(model, seed)}")
+        behind(panel, curve(collection.find(scene, FULL_ORDER, "branches")))
+        if answer is None:
+            panels.words(panel, f"no {name} in this run")
+        else:
+            show(panel, collection, scene, model, seed)
+    if not models:
+        panels.words(axes[0], f"no {name} in this run")
+    return figure
+
+
+def behind(panel, found: Curve | None) -> None:
+    """The full order's curve, which chooses the vertical axis."""
+    if found is not None:
+        line(panel, found, BEHIND, "full order")
+        panel.set_ylim(-0.03 * found.amplitude.max(), 1.3 * found.amplitude.max())
+        panel.set_xlim(found.frequency.min(), found.frequency.max())
+
+
+def line(panel, found: Curve, look: dict, words: str) -> None:
+    """Stable parts drawn through, unstable ones dotted; each part keeps one point of the next."""
+    for number in np.unique(found.branch):
+        branch = found.part(found.branch == number)
+        (changes,) = np.nonzero(branch.stable[1:] != branch.stable[:-1])
+        cuts = [0, *(changes + 1), len(branch.stable)]
+        for first, last in zip(cuts, cuts[1:]):
+            stable = bool(branch.stable[first])
+            part = slice(max(first - 1, 0), last)
+            panel.plot(
+                branch.frequency[part],
+                branch.amplitude[part],
+                **look,
+                **(STABLE if stable else UNSTABLE),
+                label=f"{words}, {'stable' if stable else 'unstable'}",
+            )
+
+
+def legend(figure: Figure) -> None:
+    """Every line once, below."""
+    found: dict = {}
+    for panel in figure.axes:
+        for handle, words in zip(*panel.get_legend_handles_labels()):
+            found.setdefault(words, handle)
+    if found:
+        figure.legend(list(found.values()), list(found), loc="outside lower center", ncols=4)

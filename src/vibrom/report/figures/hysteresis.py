@@ -1,0 +1,54 @@
+"""Sweeps up and down
+
+Largest displacement of the probe in the last period at each frequency of a sweep, the motion
+carried on from one frequency to the next: upward triangles as the frequency rises, downward ones
+as it falls. Where the curve folds, a sweep stays on its branch to the end, and jumps. Behind stands
+the full order's curve with all its branches: stable motions drawn through, unstable ones dotted.
+The first panel of each case is the full order itself. One seed of each method is drawn: the median
+one by decay NMTE.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.report.collection import answered, at_probe
+from vibrom.report.drawing import branches, panels
+
+FAMILY = "models"
+PLACE = 565
+EACH = "run"
+LOOKS = {
+    "up": {"marker": "^", "color": "#0072b2"},
+    "down": {"marker": "v", "color": "#d55e00"},
+}
+
+
+def draw(collection, scores, scene=None) -> Figure:
+    """A panel a scene and model, the full order first."""
+    figure = branches.draw(collection, scores, "sweeps", show, full_order=True)
+    branches.legend(figure)
+    return figure
+
+
+def show(panel, collection, scene, model, seed) -> None:
+    """Both directions."""
+    swept = collection.find(scene, model, "sweeps", seed)
+    if not answered(swept):
+        panels.words(panel, panels.ending(swept, "sweeps"))
+        return
+    frequency, amplitude = swept["angular_frequency"].values, at_probe(swept, "amplitude")
+    for direction, values in zip(swept["direction"].values, amplitude):
+        look = LOOKS[str(direction)]
+        panel.plot(
+            frequency,
+            values,
+            linestyle="none",
+            markersize=3.2,
+            markerfacecolor="none",
+            label=f"sweep {direction}",
+            **look,
+        )
+    inside = np.isfinite(amplitude).any()
+    if not inside:
+        panels.words(panel, "no motion lasted")
+    panel.set_xlim(frequency.min(), frequency.max())
