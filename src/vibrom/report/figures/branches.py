@@ -14,6 +14,7 @@ from vibrom.report.drawing import branches, panels
 FAMILY = "models"
 PLACE = 560
 EACH = "run"
+DATA = ("folds",)
 GLANCE = True
 
 

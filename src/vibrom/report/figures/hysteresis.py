@@ -17,6 +17,7 @@ from vibrom.report.drawing import branches, panels
 FAMILY = "models"
 PLACE = 565
 EACH = "run"
+DATA = ("folds",)
 LOOKS = {
     "up": {"marker": "^", "color": "#0072b2"},
     "down": {"marker": "v", "color": "#d55e00"},
