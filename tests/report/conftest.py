@@ -4,6 +4,7 @@ are chosen, so that tables of medians and counts can be checked by hand.
 
 import pytest
 import studies
+import written
 from small_run import FAILED, SmallRun, altered, failed
 
 from vibrom.report.collection import Collection, Key
@@ -36,3 +37,17 @@ def collection(real):
 def scores(collection):
     """Of its answers."""
     return Scores.of(collection)
+
+
+@pytest.fixture(scope="session")
+def made(small, tmp_path_factory):
+    """Tables, figures, scores, the page twice, the store and the headline, by their steps."""
+    folder = tmp_path_factory.mktemp("out")
+    written.write(small, folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def page(made):
+    """The text of the report."""
+    return (made / "report.html").read_text(encoding="utf-8")

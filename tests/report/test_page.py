@@ -7,9 +7,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
-import pytest
 from markupsafe import escape
-from small_run import PROVENANCE
+from written import EXPERIMENTS, PLUGS, TABLES
 
 from vibrom.artefacts.outcome import Tally
 from vibrom.report import answer, failures, outputs, tables
@@ -17,12 +16,6 @@ from vibrom.report import headline as numbers
 from vibrom.report.columns import number
 from vibrom.report.scores import Scores
 from vibrom.report.table import Table
-from vibrom.steps import headline, output, report, scores, tracking
-
-SCENES, EXPERIMENTS = ["small", "large"], ["decay", "backbone"]
-TABLES = outputs.tables("models", EXPERIMENTS)
-FIGURES = outputs.figures("models", SCENES)
-PLUGS = {drawing.plug for drawing in FIGURES.values()}
 
 
 class Reader(HTMLParser):
@@ -45,42 +38,6 @@ class Reader(HTMLParser):
 
     def handle_endtag(self, tag):
         assert self.open and self.open.pop() == tag, f"</{tag}> closes nothing"
-
-
-@pytest.fixture(scope="module")
-def made(small, tmp_path_factory):
-    """Tables, figures, scores, the page twice, the store and the headline, by their steps."""
-    folder = tmp_path_factory.mktemp("out")
-    common = {"artefacts": small.paths, "provenance": PROVENANCE}
-    written = [str(folder / "tables" / f"{name}.csv") for name in TABLES]
-    output.run(kind="tables", outputs=written, **common)
-    pictures = [str(folder / "figures" / f"{name}.svg") for name in FIGURES]
-    output.run(kind="figures", outputs=pictures[:2], **common)
-    for path in pictures[2:]:  # what is in a picture is tested elsewhere
-        Path(path).write_text("<svg/>")
-    predictions = [path for path in small.paths if Path(path).stem in small.settings.experiments]
-    scores.run(predictions=predictions, scores=str(folder / "scores.csv"), provenance=PROVENANCE)
-    plugs = list(dict.fromkeys(drawing.plug for drawing in FIGURES.values()))
-    captions = outputs.captions({"tables": TABLES, "figures": plugs})
-    for name in ("report.html", "again.html"):
-        report.run(
-            report=str(folder / name),
-            figures=pictures,
-            tables_shown=TABLES,
-            captions={key: [*caption] for key, caption in captions.items()},
-            **common,
-        )
-    store, artifacts = str(folder / "mlflow.db"), str(folder / "artifacts")
-    kept = {"scores": str(folder / "scores.csv"), "tables": written, "figures": pictures[:1]}
-    tracking.run(store=store, artifacts=artifacts, **kept, **common)
-    end = {"report": str(folder / "report.html"), "headline": str(folder / "headline.txt")}
-    headline.run(store=store, **end, **common)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def page(made):
-    return (made / "report.html").read_text(encoding="utf-8")
 
 
 def test_the_page_needs_nothing_else(page):

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
 from vibrom.artefacts.outcome import Outcome, Tally
-from vibrom.report import curves
+from vibrom.report import branches, curves
 from vibrom.report.collection import FULL_ORDER, Collection
-from vibrom.report.columns import number
-from vibrom.report.scores import Scores, Spread, endings, offline
+from vibrom.report.columns import GONE, number
+from vibrom.report.scores import NO_SPREAD, Scores, Spread, endings, offline
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
@@ -57,6 +58,9 @@ QUESTIONS = (
         published=False,
     ),
 )
+
+
+FOLDS = Question("branches", "folds", "", lambda *_: NO_SPREAD, published=False)
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,10 @@ def of(collection: Collection, scores: Scores) -> Answer:
                 made = cell(spread, ended, published, best)
                 cells[case, method, question.experiment] = made
     hard = hardest_of(cases, methods, cells)
+    if "branches" in put:
+        questions.append(FOLDS)
+        for case, method in product(cases, methods):
+            cells[case, method, FOLDS.experiment] = folds(collection, scores, case, method)
     cost = {method: prices(scores, hard, method) for method in methods}
     bare = Answer(cases, hard, questions, methods, cells, cost)
     return replace(bare, sentences=sentences(bare))
@@ -133,6 +141,18 @@ def cell(spread: Spread, ended: Tally, published: tuple[float, str], best: float
         fails or (number(known, 3) if np.isfinite(known) else ""),
         bool(np.isfinite(best) and spread.median == best),
     )
+
+
+def folds(collection: Collection, scores: Scores, case: str, method: str) -> Cell:
+    """Are the main folds of the full order's response curve there?"""
+    truth = branches.curve(collection.find(case, FULL_ORDER, "branches"))
+    found = scores.of_experiment(case, method, "branches", "folds")
+    if truth is None or not found:
+        return Cell(0.0, GONE)
+    wanted = len(truth.folds)
+    there = sum(score.value == wanted for score in found)
+    words = {0: "no", len(found): "yes"}.get(there, f"{there} of {len(found)} seeds")
+    return Cell(0.0, words if wanted or words != "yes" else "none to have")
 
 
 def in_words(ended: Tally) -> str:

@@ -10,11 +10,13 @@ from vibrom.models.curves import Curve
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER, Collection
 from vibrom.report.drawing import panels
+from vibrom.report.plots import Series
 from vibrom.report.scores import Scores
 
 STABLE, UNSTABLE = {"linestyle": "-"}, {"linestyle": (0, (1.2, 1.2))}
 BEHIND = {"color": "0.72", "linewidth": 2.2}
 FRONT = {"color": "#8a2a0b", "linewidth": 0.9}
+AXES = ("forcing frequency [rad/s]", "probe amplitude [m]")
 
 
 def draw(
@@ -33,7 +35,7 @@ def draw(
     ]
     figure, axes = panels.grid(max(1, len(models)), columns=4, size=(2.4, 1.9), legend=0.4)
     for panel in axes:
-        panel.set(xlabel="forcing frequency [rad/s]", ylabel="probe amplitude [m]")
+        panel.set(xlabel=AXES[0], ylabel=AXES[1])
     for panel, (scene, model) in zip(axes, models):
         seed, answer = panels.drawn(collection, scores, scene, model, name)
         panel.set_title(f"{scene}, {panels.title(model, seed)}")
@@ -71,6 +73,31 @@ def line(panel, found: Curve, look: dict, words: str) -> None:
                 **(STABLE if stable else UNSTABLE),
                 label=f"{words}, {'stable' if stable else 'unstable'}",
             )
+
+
+def parts(model: str, seed: int | None, found: Curve) -> list[Series]:
+    """The stable and the unstable motions; each part keeps one point of the next, and branches do
+    not touch.
+    """
+    made, wide = [], 3.0 if model == FULL_ORDER else 1.2
+    starts = np.flatnonzero(np.diff(found.branch)) + 1
+    frequency, kind = (
+        np.insert(values, starts, fill)
+        for values, fill in ((found.frequency, np.nan), (found.kind.astype(object), ""))
+    )
+    for stable, dashes in ((True, STABLE), (False, UNSTABLE)):
+        mine = found.stable == stable
+        beside = np.zeros_like(mine)
+        joined = found.branch[1:] == found.branch[:-1]
+        beside[1:] |= mine[:-1] & joined
+        amplitude = np.where(mine | beside, found.amplitude, np.nan)
+        line = {"name": "stable" if stable else "unstable", "notes": [str(word) for word in kind]}
+        look = {**dashes, "linewidth": wide}
+        series = Series(
+            model, frequency, np.insert(amplitude, starts, np.nan), seed, look=look, **line
+        )
+        made.append(series)
+    return made
 
 
 def legend(figure: Figure) -> None:

@@ -1,7 +1,11 @@
-"""Forced response curves at the probe, a panel a scene; failed points are counted."""
+"""Forced response curves at the probe: a pair of panels a scene, the full order wide and pale under
+the thin lines of the models, their differences below; failed points are counted.
+"""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from vibrom.report import curves
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe, scalar
@@ -10,41 +14,76 @@ from vibrom.report.plots import Panel, Series
 from vibrom.report.scores import Scores
 from vibrom.thesis.labels import label
 
+FREQUENCY = "forcing frequency [rad/s]"
+TRUTH = style.TRUE | {"linewidth": 3.4}
+THIN = {"linewidth": 0.7, "markersize": 3.0, "markeredgewidth": 0.6}
+SPARSE = 9  # points from one marker of a line to the next
+
 
 def draw(
-    collection: Collection, scores: Scores, quantity: str, axis: str, place: str
-) -> tuple[Figure, list[int]]:
-    """One variable of all models, and how many lines of notes each panel has at this place."""
-    figure, axes = panels.grid(
-        max(1, len(collection.scenes)), columns=3, size=(3.4, 3.5), legend=0.6
-    )
-    looks, handles, counts = style.looks(collection.methods), {}, []
-    for panel, scene in zip(axes, collection.scenes):
+    collection: Collection, scores: Scores, quantity: str, axes: tuple[str, str]
+) -> tuple[Figure, list[Axes]]:
+    """One variable of all models, and below each panel what they differ by from the full order; and
+    the upper panels. `axes`: what the upper and the lower ones show.
+    """
+    pairs, figure = grid(max(1, len(collection.scenes)))
+    looks, handles, said = style.looks(collection.methods), {}, []
+    for (upper, lower), scene in zip(pairs, collection.scenes):
         truth = collection.find(scene, FULL_ORDER, "frc")
         forcing = float(scalar(truth, "forcing"))
-        panel.set(title=f"{scene}, forcing {forcing:g}" if np.isfinite(forcing) else scene)
-        panel.set(xlabel="forcing frequency [rad/s]", ylabel=axis)
-        notes = []
-        if truth is not None:
-            handles |= line(panel, truth, quantity, FULL_ORDER, style.FULL_ORDER)
-        notes += note(truth, quantity, FULL_ORDER)
+        upper.set_title(f"{scene}, forcing {forcing:g}" if np.isfinite(forcing) else scene)
+        notes = note(truth, quantity, FULL_ORDER)
+        if answered(truth):
+            handles |= line(upper, truth, at_probe(truth, quantity), FULL_ORDER, TRUTH)
         for index, method in enumerate(collection.methods):
             _, curve = panels.drawn(collection, scores, scene, method, "frc")
-            look = looks[method] | {"markevery": ((index + 1) % 3, 3), "linewidth": 0.9}
+            look = looks[method] | {"markevery": (index, SPARSE), **THIN}
             if answered(curve):
-                handles |= line(panel, curve, quantity, method, look)
+                values = at_probe(curve, quantity)
+                handles |= line(upper, curve, values, method, look)
+                line(lower, curve, difference(values, truth, quantity), method, look)
             notes += note(curve, quantity, method)
-        if notes:
-            panels.words(panel, "\n".join(notes), place=place)
-        counts.append(len(notes))
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
-    return figure, counts
+        said.append(notes)
+    longest = max((len(notes) for notes in said), default=0)
+    for (upper, lower), notes in zip(pairs, [*said, []]):
+        # As many lines everywhere: panels of one row are of one height.
+        lines = "\n".join([*notes, *[" "] * (longest - len(notes))])
+        below = {"transform": lower.transAxes, "va": "top", "fontsize": 6, "style": "italic"}
+        lower.text(0.0, -0.55, lines, **below)
+        upper.set(xlabel=FREQUENCY, ylabel=axes[0])
+        lower.set(xlabel=FREQUENCY, ylabel=axes[1], yscale="log")
+        upper.xaxis.label.set_visible(False)
+        lower.yaxis.set_major_locator(LogLocator(numticks=5))
+    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=5)
+    return figure, [upper for upper, _ in pairs]
 
 
-def line(panel, curve, quantity: str, model: str, look: dict) -> dict:
+def grid(count: int) -> tuple[list[tuple[Axes, Axes]], Figure]:
+    """A pair of panels a scene, the upper one higher; three pairs fill the width of a page."""
+    columns = min(3, count)
+    rows = -(-count // columns)
+    figure = Figure(figsize=(max(3.4, 2.35 * columns), 3.6 * rows + 0.6))
+    cells = figure.add_gridspec(rows, columns)
+    pairs = []
+    for place in range(count):
+        cell = cells[place // columns, place % columns]
+        pairs.append(tuple(cell.subgridspec(2, 1, height_ratios=(2, 1)).subplots(sharex=True)))
+    return pairs, figure
+
+
+def difference(values: np.ndarray, truth, quantity: str) -> np.ndarray:
+    """Size of what a curve differs by: an amplitude in percent of the largest, a phase in rad."""
+    known = at_probe(truth, quantity) if answered(truth) else np.full(1, np.nan)
+    if known.shape != values.shape:
+        return np.full(values.shape, np.nan)
+    scale = 100 / np.nanmax(np.abs(known)) if quantity == "amplitude" else 1.0
+    size = scale * np.abs(values - known)
+    return np.where(size > 0, size, np.nan)
+
+
+def line(panel: Axes, curve, values: np.ndarray, model: str, look: dict) -> dict:
     """The curve, by its label."""
-    omega, values = curve["angular_frequency"].values, at_probe(curve, quantity)
-    return {label(model): panel.plot(omega, values, **look)[0]}
+    return {label(model): panel.plot(curve["angular_frequency"].values, values, **look)[0]}
 
 
 def note(curve, quantity: str, model: str) -> list[str]:
@@ -80,7 +119,7 @@ def plot(collection: Collection, scores: Scores, quantity: str, axis: str) -> li
         title = f"{scene}, forcing {forcing:g}" if np.isfinite(forcing) else scene
         view = bounds(truth, quantity)
         words = {"switch": "y", "notes": [f"{text}." for text in notes], "view": view}
-        made.append(Panel(title, "forcing frequency [rad/s]", axis, series, **words))
+        made.append(Panel(title, FREQUENCY, axis, series, **words))
     return made
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
 from vibrom.report.drawing import panels, style
+from vibrom.report.drawing.response import THIN, TRUTH
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
@@ -31,7 +32,7 @@ def draw(collection, scores, scene=None) -> Figure:
         truth = collection.find(name, FULL_ORDER, "backbone")
         notes = [] if truth is not None else ["full order: not in this run"]
         if curve(truth)[0].size:
-            line = panel.plot(*curve(truth), **style.FULL_ORDER)[0]
+            line = panel.plot(*curve(truth), **TRUTH)[0]
             handles[label(FULL_ORDER)] = line
         low, high = limits(panel, *curve(truth))
         for index, (method, look) in enumerate(looks.items()):
@@ -39,7 +40,7 @@ def draw(collection, scores, scene=None) -> Figure:
             points = curve(backbone)
             inside = ((points[0] >= low) & (points[0] <= high)).any()
             if inside:
-                look = look | {"markevery": (index, 7), "linewidth": 0.9}
+                look = look | {"markevery": (index, 9), **THIN}
                 handles[label(method)] = panel.plot(*points, **look)[0]
             if text := panels.ending(backbone, "backbone") or ("" if inside else absent(*points)):
                 notes.append(f"{label(method)}: {text}")

@@ -8,8 +8,10 @@ The axes are chosen by the full order.
 
 from matplotlib.figure import Figure
 
-from vibrom.report.branches import curve
+from vibrom.report.branches import curve, scenes
+from vibrom.report.collection import FULL_ORDER
 from vibrom.report.drawing import branches, panels
+from vibrom.report.plots import Panel
 
 FAMILY = "models"
 PLACE = 560
@@ -41,3 +43,19 @@ def show(panel, collection, scene, model, seed) -> None:
         markersize=2.6,
         label="main fold of the model",
     )
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Largest displacement of the probe in a period of every periodic motion that was found, stable
+    motions drawn through, unstable ones dotted; the pointer tells what is special about a motion.
+    Of each method the median seed.
+    """
+    made = []
+    for scene in scenes(collection):
+        series = []
+        for model in (FULL_ORDER, *collection.methods):
+            seed, answer = panels.drawn(collection, scores, scene, model, "branches")
+            if (found := curve(answer)) is not None:
+                series += branches.parts(model, None if model == FULL_ORDER else seed, found)
+        made.append(Panel(scene, *branches.AXES, series, switch="y"))
+    return made

@@ -2,8 +2,9 @@
 
 Largest displacement of the probe in the last forced period against the forcing frequency, every
 point started from rest. One seed of each method is drawn: the median one by decay NMTE. Points
-without a value are missing from the curve, and the panel counts what is left and says how the
-others ended.
+without a value are missing from the curve; below the panel stands how many are left and how the
+others ended. The lower panel has the size of the
+difference to the full order, in percent of its peak.
 """
 
 import numpy as np
@@ -15,16 +16,17 @@ FAMILY = "models"
 PLACE = 540
 EACH = "run"
 DATA = ("frc",)
+AXES = ("probe amplitude [m]", "difference [%]")
 
 
 def draw(collection, scores, scene=None):
     """The vertical axis is chosen by the full order, so that a blow-up does not flatten it."""
-    figure, notes = response.draw(collection, scores, "amplitude", "probe amplitude [m]", "left")
-    for panel, name, count in zip(figure.axes, collection.scenes, notes):
+    figure, upper = response.draw(collection, scores, "amplitude", AXES)
+    for panel, name in zip(upper, collection.scenes):
         truth = collection.find(name, FULL_ORDER, "frc")
         if truth is not None and np.isfinite(at_probe(truth, "amplitude")).any():
-            top = min(1.7 * float(np.nanmax(at_probe(truth, "amplitude"))), panel.dataLim.y1)
-            panel.set_ylim(-0.03 * top, top * (1.08 + 0.055 * count))
+            top = min(1.5 * float(np.nanmax(at_probe(truth, "amplitude"))), panel.dataLim.y1)
+            panel.set_ylim(-0.03 * top, 1.08 * top)
     return figure
 
 
@@ -33,4 +35,4 @@ def plot(collection, scores):
     point started from rest. Every seed is there, those that figures do not draw are faint; the
     pointer tells how a point ended.
     """
-    return response.plot(collection, scores, "amplitude", "probe amplitude [m]")
+    return response.plot(collection, scores, "amplitude", AXES[0])

@@ -2,8 +2,8 @@
 
 Phase of the probe's first harmonic in the last period relative to the forcing, against the
 forcing frequency. One seed of each method is drawn: the median one by decay NMTE. Points without
-a value are missing from the curve, and the panel counts what is left and says how the others
-ended.
+a value are missing from the curve; below the panel stands how many are left and how the others
+ended. The lower panel has the size of the difference to the full order.
 """
 
 import numpy as np
@@ -15,15 +15,16 @@ PLACE = 550
 EACH = "run"
 DATA = ("frc",)
 TICKS = {-2: r"$-2\pi$", -1.5: r"$-3\pi/2$", -1: r"$-\pi$", -0.5: r"$-\pi/2$", 0: "0"}
+AXES = ("phase of the probe [rad]", "difference [rad]")
 
 
 def draw(collection, scores, scene=None):
-    """Down from zero, with room for the notes below."""
-    figure, notes = response.draw(collection, scores, "phase", "phase of the probe [rad]", "below")
-    for panel, count in zip(figure.axes, notes):
+    """Down from zero."""
+    figure, upper = response.draw(collection, scores, "phase", AXES)
+    for panel in upper:
         low = min(panel.dataLim.y0 if panel.lines else 0.0, -np.pi)
         panel.set_yticks([part * np.pi for part in TICKS], list(TICKS.values()))
-        panel.set_ylim(low * (1.06 + 0.075 * count), 0.25)
+        panel.set_ylim(1.06 * low, 0.25)
     return figure
 
 
@@ -31,4 +32,4 @@ def plot(collection, scores):
     """Phase of the probe's first harmonic relative to the forcing, every point started from rest.
     Every seed is there, those that figures do not draw are faint.
     """
-    return response.plot(collection, scores, "phase", "phase [rad]")
+    return response.plot(collection, scores, "phase", AXES[0])

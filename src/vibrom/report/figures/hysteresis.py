@@ -11,8 +11,10 @@ one by decay NMTE.
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibrom.report.collection import answered, at_probe
+from vibrom.report.branches import curve, scenes
+from vibrom.report.collection import FULL_ORDER, answered, at_probe
 from vibrom.report.drawing import branches, panels
+from vibrom.report.plots import Panel, Series
 
 FAMILY = "models"
 PLACE = 565
@@ -53,3 +55,27 @@ def show(panel, collection, scene, model, seed) -> None:
     if not inside:
         panels.words(panel, "no motion lasted")
     panel.set_xlim(frequency.min(), frequency.max())
+
+
+def plot(collection, scores) -> list[Panel]:
+    """Upward triangles as the frequency rises, downward ones as it falls, the motion carried on
+    from one frequency to the next; behind them the full order's curve with all its branches. Of
+    each method the median seed.
+    """
+    made = []
+    for scene in scenes(collection, "sweeps"):
+        found = curve(collection.find(scene, FULL_ORDER, "branches"))
+        series = [] if found is None else branches.parts(FULL_ORDER, None, found)
+        for model in (FULL_ORDER, *collection.methods):
+            seed, swept = panels.drawn(collection, scores, scene, model, "sweeps")
+            if answered(swept):
+                for direction, values in zip(
+                    swept["direction"].values, at_probe(swept, "amplitude")
+                ):
+                    look = {"marker": LOOKS[str(direction)]["marker"], "markersize": 4}
+                    line = {"name": f"sweep {direction}", "mode": "markers", "look": look}
+                    frequency = swept["angular_frequency"].values
+                    whose = None if model == FULL_ORDER else seed
+                    series.append(Series(model, frequency, values, whose, **line))
+        made.append(Panel(scene, *branches.AXES, series, switch="y"))
+    return made

@@ -1,7 +1,7 @@
 "use strict";
 // Tables sort by a click on a heading and show the rows that hold the words typed above them.
 (() => {
-  const MANY = 9; // rows from which on a filter is worth its place
+  const MANY = 8; // rows from which on a filter is worth its place
   const words = cell => cell.textContent.trim();
   const number = text => {
     const found = /^[<>≈]?\s*([-+−]?\d[\d.]*(?:e[-+]?\d+)?)/i.exec(text);
