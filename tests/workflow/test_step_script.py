@@ -2,9 +2,11 @@
 
 import errno
 import runpy
+import subprocess
 import sys
 import types
 
+import psutil
 import pytest
 from project_copy import ROOT
 
@@ -111,6 +113,43 @@ def test_another_checkouts_package_is_not_run(run, tmp_path, capfd, monkeypatch)
     printed = capfd.readouterr().err.strip()
     assert "would run, and not this checkout's" in printed and "\n" not in printed
     assert printed.endswith("(see README.md)") and str(tmp_path / "src/vibrom") in printed
+
+
+ORPHAN = """
+import sys, time
+sys.path[:0] = [{tests!r}]
+import pathlib, runpy, types
+from test_step_script import job
+module = types.ModuleType("vibrom.steps.probe")
+module.run = lambda **given: (print("running", flush=True), time.sleep(60))
+sys.modules["vibrom.steps.probe"] = module
+given = {{"snakemake": job(pathlib.Path({folder!r}), "probe")}}
+runpy.run_path({script!r}, init_globals=given)
+"""
+PARENT = """
+import subprocess, sys
+job = subprocess.Popen([sys.executable, "-c", sys.argv[1]])
+print(job.pid, flush=True)
+job.wait()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for it")
+def test_a_job_ends_with_the_run_that_started_it(root, tmp_path):
+    """Killed outright, a run cannot end its jobs, and the next run would start them again."""
+    code = ORPHAN.format(
+        tests=str(root / "tests/workflow"),
+        folder=str(tmp_path),
+        script=str(root / "workflow/scripts/step.py"),
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", PARENT, code], stdout=subprocess.PIPE, text=True
+    )
+    orphan = psutil.Process(int(parent.stdout.readline()))
+    assert parent.stdout.readline() == "running\n"
+    parent.kill()
+    parent.wait()
+    assert psutil.wait_procs([orphan], timeout=10) == ([orphan], [])
 
 
 def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):

@@ -6,12 +6,16 @@ goes to the terminal and to the rule's log. An error that vibrom itself raises i
 stderr; any other is a bug and keeps its traceback.
 """
 
+import ctypes
 import errno
 import importlib
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
+
+SIGNAL_ON_PARENTS_END = 1  # PR_SET_PDEATHSIG
 
 
 class Foreign(RuntimeError):
@@ -62,7 +66,19 @@ def complaint(error):
     return None
 
 
+def end_with_parent():
+    """Ends this job with the Snakemake that started it, also where that is killed: the next run
+    starts the same job, and not beside this one.
+    """
+    if sys.platform == "linux":
+        parent = os.getppid()
+        ctypes.CDLL(None).prctl(SIGNAL_ON_PARENTS_END, signal.SIGTERM)
+        if os.getppid() != parent:
+            sys.exit(1)
+
+
 def main(job):
+    end_with_parent()
     # Compiled loops use the cores that the job was given, like the BLAS libraries, whose variables
     # Snakemake sets.
     os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
