@@ -1,16 +1,20 @@
 """The script behind every rule: arguments, logs, and which errors are one line."""
 
 import errno
+import os
 import runpy
 import subprocess
 import sys
 import types
+from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 from project_copy import ROOT
 
 from vibrom.artefacts.data import DataError
+from vibrom.artefacts.hardware import check_memory
 
 
 class Named(dict):
@@ -152,9 +156,28 @@ def test_a_job_ends_with_the_run_that_started_it(root, tmp_path):
     assert psutil.wait_procs([orphan], timeout=10) == ([orphan], [])
 
 
-def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
-    import os
+def test_a_package_that_cannot_be_written_to_has_its_compiled_code_elsewhere(run, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    run(lambda **given: None)
+    assert os.environ["NUMBA_CACHE_DIR"] == str(Path(".snakemake/numba").absolute())
 
+
+def test_memory_that_is_not_there_is_one_line(run, capfd):
+    def step(**given):
+        check_memory(1e18, "a motion", "lower periods")
+
+    with pytest.raises(SystemExit):
+        run(step)
+    printed = capfd.readouterr().err.strip()
+    assert printed.startswith("vibrom: a motion takes 9.31e+08 GiB of memory, and")
+    with pytest.raises(SystemExit):
+        run(lambda **given: np.empty(10**17))
+    assert capfd.readouterr().err.startswith("vibrom: not enough memory (Unable to allocate")
+
+
+def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
     from vibrom.artefacts import data
 
     path = tmp_path / "losses.nc"

@@ -59,6 +59,8 @@ def complaint(error):
     """The one line for an error that is not a bug, or None."""
     if isinstance(error, Foreign) or type(error).__module__.split(".")[0] == "vibrom":
         return " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return f"not enough memory ({error}); lower periods, steps_per_period, frequencies or cells"
     for cause in (error, error.__cause__, error.__context__):
         if isinstance(cause, OSError) and cause.errno in (errno.ENOSPC, errno.EDQUOT):
             cure = "free some or choose another results folder, then run again"
@@ -83,7 +85,7 @@ def main(job):
     # Snakemake sets.
     os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
     try:
-        with open(job.log[0], "w", buffering=1) as log:
+        with open(job.log[0], "w", buffering=1, encoding="utf-8") as log:
             sys.stdout, sys.stderr = Tee(sys.__stdout__, log), Tee(sys.__stderr__, log)
             try:
                 run(job)
@@ -111,6 +113,9 @@ def check_own(job):
             f"{running} would run, and not this checkout's {own}; activate the environment of this "
             "checkout, or make one (see README.md)"
         )
+    if not os.access(running, os.W_OK):
+        # Compiled loops are kept beside the package, or where this says.
+        os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(".snakemake/numba").absolute()))
 
 
 def told(job):
