@@ -5,6 +5,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import shapes  # noqa: E402
+
+shapes.install()
+
 from beam import beam  # noqa: E402, F401  a fixture
 
 # What `make check` leaves out: whole workflows, trainings, long integrations, compilation.

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
@@ -169,3 +170,11 @@ def test_a_figure_that_does_not_exist_is_refused_by_name():
         outputs.drawing("decays", ["small"])
     assert outputs.drawing("decay_small", ["small"]) == ("decay", "small")
     assert outputs.drawing("frc_phase", ["phase"]) == ("frc_phase", None)
+
+
+def test_the_user_s_own_style_sheet_changes_no_figure():
+    """Text set by LaTeX would need one that is installed."""
+    own = {"text.usetex": True, "image.cmap": "hot"}
+    with matplotlib.rc_context(own), matplotlib.rc_context(style.STYLE):
+        for name in own:
+            assert matplotlib.rcParams[name] == matplotlib.rcParamsDefault[name]

@@ -13,28 +13,24 @@ from vibrom.steps import fit
 from vibrom.steps.fit import FileMonitor
 
 
-def test_a_torn_checkpoint_is_none(tmp_path):
-    path, weights = tmp_path / "state.npz", np.arange(500.0)
+def test_a_damaged_checkpoint_is_none(tmp_path):
+    path, weights = tmp_path / "state.checkpoint", np.arange(500.0)
     FileMonitor(str(path), "fit").checkpoint({"weights": weights})
     assert np.array_equal(FileMonitor(str(path), "fit").restore()["weights"], weights)
     whole = path.read_bytes()
-    flipped = bytearray(whole)
-    flipped[len(whole) // 2] ^= 255
-    for torn in (
-        whole[:0],
-        whole[:2],
-        whole[:100],
-        whole[: len(whole) // 2],
-        whole[:-3],
-        bytes(flipped),
-    ):
-        path.write_bytes(torn)
+    torn = [whole[:length] for length in (0, 2, 100, len(whole) // 2, len(whole) - 3)]
+    for place in range(0, len(whole), 29):  # of names, sizes, numbers and the digest itself
+        flipped = bytearray(whole)
+        flipped[place] ^= 1 << place % 8
+        torn.append(bytes(flipped))
+    for damaged in torn:
+        path.write_bytes(damaged)
         monitor = FileMonitor(str(path), "fit")
         assert monitor.restore() is None and monitor.spent("total") == 0.0
 
 
 def test_a_resumed_fit_counts_what_it_spent_before(tmp_path):
-    path = str(tmp_path / "state.npz")
+    path = str(tmp_path / "state.checkpoint")
     first = FileMonitor(path, "fit")
     first.seconds["total"] = 40.0
     first.checkpoint({})

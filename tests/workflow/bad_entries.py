@@ -342,3 +342,39 @@ BAD = {
         ["stability", "is now studies.robustness"],
     ),
 }
+
+BAD |= {
+    "a billion elements": (SCENE, "body.cells", [10**9, 1], ["body.cells[0]", "at most 100000"]),
+    "a billion steps": (
+        SCENE,
+        "time.steps_per_period",
+        500_000,
+        ["record.periods = 30", "makes 1.5e+07 time steps", "1e+07 at most"],
+    ),
+    "too many steps in a period": (
+        SCENE,
+        "time.steps_per_period",
+        10**8,
+        ["time.steps_per_period = 100000000", "at most 1000000"],
+    ),
+    "too wide a layer": (
+        METHOD,
+        "settings",
+        {"hidden": [10**6]},
+        ["settings.hidden[0] = 1000000", "at most 10000"],
+    ),
+    "one sample": (METHOD, "settings", {"every": 10**9}, ["settings.every", "at most 1000000"]),
+    "too high an order": (METHOD, "settings", {"order": 1000}, ["settings.order", "at most 100"]),
+    "no gain": (
+        METHOD,
+        "settings",
+        {"coefficient_gain": 0},
+        ["settings.coefficient_gain = 0", "greater than 0"],
+    ),
+    "negative weight": (
+        METHOD,
+        "settings",
+        {"acceleration_full": -0.1},
+        ["settings.acceleration_full = -0.1", "at least 0"],
+    ),
+}

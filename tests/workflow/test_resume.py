@@ -1,5 +1,6 @@
 """A run that was killed is taken over by the next; one that is going on is left alone."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from project_copy import ROOT, command
 # `first` is made at once; `second` takes its time once, as long as the file `slow` is there.
 SNAKEFILE = """
 from pathlib import Path
+from types import SimpleNamespace
+SETTINGS = SimpleNamespace(results="results")
 include: "{rules}"
 rule second:
     input: "first"
@@ -51,6 +54,24 @@ def test_killed_run_is_resumed(running, tmp_path):
     again = command(tmp_path, "--cores", "1", "--rerun-incomplete")
     assert again.returncode == 0, again.stderr
     assert (tmp_path / "second").exists() and (tmp_path / "first").stat().st_mtime_ns == made
+
+
+def test_the_number_of_a_dead_run_that_another_process_has_now_is_no_obstacle(running, tmp_path):
+    """In containers every run is process 1. What its jobs were writing is removed."""
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    (tmp_path / "slow").unlink()
+    partial = tmp_path / "results/folding/.rom.nc.abc.partial"
+    partial.parent.mkdir(parents=True)
+    partial.touch()
+    note = tmp_path / ".snakemake/running"
+    node, number, started = note.read_text().split()
+    times = note.stat().st_atime, note.stat().st_mtime
+    note.write_text(f"{node} {os.getpid()} {started}\n")
+    os.utime(note, times)
+    again = command(tmp_path, "--cores", "1", "--rerun-incomplete")
+    assert again.returncode == 0, again.stderr
+    assert (tmp_path / "second").exists() and not partial.exists()
 
 
 def test_run_under_way_is_left_alone(running, tmp_path):

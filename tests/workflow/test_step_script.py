@@ -1,14 +1,20 @@
 """The script behind every rule: arguments, logs, and which errors are one line."""
 
 import errno
+import os
 import runpy
+import subprocess
 import sys
 import types
+from pathlib import Path
 
+import numpy as np
+import psutil
 import pytest
 from project_copy import ROOT
 
 from vibrom.artefacts.data import DataError
+from vibrom.artefacts.hardware import check_memory
 
 
 class Named(dict):
@@ -113,9 +119,65 @@ def test_another_checkouts_package_is_not_run(run, tmp_path, capfd, monkeypatch)
     assert printed.endswith("(see README.md)") and str(tmp_path / "src/vibrom") in printed
 
 
-def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
-    import os
+ORPHAN = """
+import sys, time
+sys.path[:0] = [{tests!r}]
+import pathlib, runpy, types
+from test_step_script import job
+module = types.ModuleType("vibrom.steps.probe")
+module.run = lambda **given: (print("running", flush=True), time.sleep(60))
+sys.modules["vibrom.steps.probe"] = module
+given = {{"snakemake": job(pathlib.Path({folder!r}), "probe")}}
+runpy.run_path({script!r}, init_globals=given)
+"""
+PARENT = """
+import subprocess, sys
+job = subprocess.Popen([sys.executable, "-c", sys.argv[1]])
+print(job.pid, flush=True)
+job.wait()
+"""
 
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for it")
+def test_a_job_ends_with_the_run_that_started_it(root, tmp_path):
+    """Killed outright, a run cannot end its jobs, and the next run would start them again."""
+    code = ORPHAN.format(
+        tests=str(root / "tests/workflow"),
+        folder=str(tmp_path),
+        script=str(root / "workflow/scripts/step.py"),
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", PARENT, code], stdout=subprocess.PIPE, text=True
+    )
+    orphan = psutil.Process(int(parent.stdout.readline()))
+    assert parent.stdout.readline() == "running\n"
+    parent.kill()
+    parent.wait()
+    assert psutil.wait_procs([orphan], timeout=10) == ([orphan], [])
+
+
+def test_a_package_that_cannot_be_written_to_has_its_compiled_code_elsewhere(run, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    run(lambda **given: None)
+    assert os.environ["NUMBA_CACHE_DIR"] == str(Path(".snakemake/numba").absolute())
+
+
+def test_memory_that_is_not_there_is_one_line(run, capfd):
+    def step(**given):
+        check_memory(1e18, "a motion", "lower periods")
+
+    with pytest.raises(SystemExit):
+        run(step)
+    printed = capfd.readouterr().err.strip()
+    assert printed.startswith("vibrom: a motion takes 9.31e+08 GiB of memory, and")
+    with pytest.raises(SystemExit):
+        run(lambda **given: np.empty(10**17))
+    assert capfd.readouterr().err.startswith("vibrom: not enough memory (Unable to allocate")
+
+
+def test_no_space_left_keeps_the_finished_artefact(run, tmp_path, capfd, monkeypatch):
     from vibrom.artefacts import data
 
     path = tmp_path / "losses.nc"

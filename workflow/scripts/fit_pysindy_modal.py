@@ -152,7 +152,7 @@ def complain(line):
 
 
 def main(job):
-    sys.stderr = open(job.log[0], "w")  # noqa: SIM115  until the process ends
+    sys.stderr = open(job.log[0], "w", encoding="utf-8")  # noqa: SIM115  until the process ends
     settings, scene = dict(job.params.settings), job.params.scene_name
     structure, train = read(job.input.structure, "structure"), read(job.input.train, "trajectory")
     arrays, mapping, dynamics = fit(structure, train, **settings)

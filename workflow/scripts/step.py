@@ -6,12 +6,16 @@ goes to the terminal and to the rule's log. An error that vibrom itself raises i
 stderr; any other is a bug and keeps its traceback.
 """
 
+import ctypes
 import errno
 import importlib
 import os
+import signal
 import sys
 import traceback
 from pathlib import Path
+
+SIGNAL_ON_PARENTS_END = 1  # PR_SET_PDEATHSIG
 
 
 class Foreign(RuntimeError):
@@ -55,6 +59,8 @@ def complaint(error):
     """The one line for an error that is not a bug, or None."""
     if isinstance(error, Foreign) or type(error).__module__.split(".")[0] == "vibrom":
         return " ".join(str(error).split())
+    if isinstance(error, MemoryError):
+        return f"not enough memory ({error}); lower periods, steps_per_period, frequencies or cells"
     for cause in (error, error.__cause__, error.__context__):
         if isinstance(cause, OSError) and cause.errno in (errno.ENOSPC, errno.EDQUOT):
             cure = "free some or choose another results folder, then run again"
@@ -62,12 +68,24 @@ def complaint(error):
     return None
 
 
+def end_with_parent():
+    """Ends this job with the Snakemake that started it, also where that is killed: the next run
+    starts the same job, and not beside this one.
+    """
+    if sys.platform == "linux":
+        parent = os.getppid()
+        ctypes.CDLL(None).prctl(SIGNAL_ON_PARENTS_END, signal.SIGTERM)
+        if os.getppid() != parent:
+            sys.exit(1)
+
+
 def main(job):
+    end_with_parent()
     # Compiled loops use the cores that the job was given, like the BLAS libraries, whose variables
     # Snakemake sets.
     os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
     try:
-        with open(job.log[0], "w", buffering=1) as log:
+        with open(job.log[0], "w", buffering=1, encoding="utf-8") as log:
             sys.stdout, sys.stderr = Tee(sys.__stdout__, log), Tee(sys.__stderr__, log)
             try:
                 run(job)
@@ -95,6 +113,9 @@ def check_own(job):
             f"{running} would run, and not this checkout's {own}; activate the environment of this "
             "checkout, or make one (see README.md)"
         )
+    if not os.access(running, os.W_OK):
+        # Compiled loops are kept beside the package, or where this says.
+        os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(".snakemake/numba").absolute()))
 
 
 def told(job):

@@ -6,6 +6,22 @@ from pathlib import Path
 
 import psutil
 
+GIB = 2**30
+
+
+class TooLarge(ValueError):
+    """What is asked for does not fit into the memory of this machine; one line."""
+
+
+def check_memory(size: float, what: str, cure: str) -> None:
+    """Raise TooLarge before memory is taken that is not there; `size` [bytes] is of `what`."""
+    free = psutil.virtual_memory().available
+    if size > free:
+        raise TooLarge(
+            f"{what} takes {size / GIB:.3g} GiB of memory, and {free / GIB:.3g} GiB are free; "
+            f"{cure}"
+        )
+
 
 def description() -> dict[str, str | int | float]:
     """Processor, its logical cores, memory [GiB], threads that the job was given, and how busy the

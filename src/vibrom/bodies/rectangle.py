@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import skfem
 
+from vibrom.artefacts.hardware import check_memory
 from vibrom.bodies.space import Probe, Space, movable
 from vibrom.config.kinds import Cells, Distinct, Edge, Element, Name, Positive
 
@@ -36,6 +37,9 @@ class Rectangle:
     def build(self) -> Space:
         """Meshed, numbered and watched."""
         (columns, rows), (element, order) = self.cells, ELEMENTS[self.element]
+        # The matrices of the elements, of which scikit-fem keeps rows, columns and values.
+        entries = columns * rows * (2 * element().doflocs.shape[0]) ** 2
+        check_memory(3 * 8 * entries, f"a mesh of {columns} x {rows} elements", "lower body.cells")
         straight = skfem.MeshQuad.init_tensor(
             np.linspace(0, self.length, columns + 1), np.linspace(0, self.height, rows + 1)
         ).with_defaults()

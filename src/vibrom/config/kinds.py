@@ -22,13 +22,17 @@ Tolerance = Annotated[float, Meta(gt=0, le=0.1)]  # relative
 Turn = Annotated[float, Meta(gt=0, le=1)]  # rad
 PoissonRatio = Annotated[float, Meta(gt=-1, lt=0.5)]
 
-Count = Annotated[int, Meta(ge=1)]
-Whole = Annotated[int, Meta(ge=0)]
-Steps = Annotated[int, Meta(ge=20)]  # time steps in one period of the first mode
+Count = Annotated[int, Meta(ge=1, le=1_000_000)]
+Whole = Annotated[int, Meta(ge=0, le=1_000_000)]
+Step = Annotated[int, Meta(ge=1, le=10_000_000)]  # the number of a time step
+Steps = Annotated[int, Meta(ge=20, le=1_000_000)]  # time steps in one period of the first mode
+Units = Annotated[int, Meta(ge=1, le=10_000)]  # of a layer: its weights are the square of that
+Order = Annotated[int, Meta(ge=1, le=100)]  # of a polynomial
 Seed = Annotated[int, Meta(ge=0, lt=2**32)]
 
 Point = tuple[float, float]  # m
-Cells = tuple[Count, Count]  # along the length, over the height
+Lines = Annotated[int, Meta(ge=1, le=100_000)]  # of elements
+Cells = tuple[Lines, Lines]  # along the length, over the height
 Direction = Literal["x", "y"]
 Edge = Literal["left", "right", "bottom", "top"]
 Element = Literal["bilinear", "quadratic", "serendipity"]

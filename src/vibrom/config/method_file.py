@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
-from vibrom.config.kinds import Count, Name, RomClass
+from msgspec import Meta
+
+from vibrom.config.kinds import Name, RomClass
 from vibrom.config.scene import Block
+
+Resource = Annotated[int, Meta(ge=1)]
 
 
 class MethodFile(Block, frozen=True):
@@ -18,4 +22,4 @@ class MethodFile(Block, frozen=True):
     rule: str | None = None  # the rule file of a method that is not in src/vibrom/methods
     # module:name of the class that the rom.nc of an outside method is read as
     rom_class: RomClass | None = None
-    resources: dict[str, Count | str] = {}  # threads, mem_mb, ...
+    resources: dict[str, Resource | str] = {}  # threads, mem_mb, ...

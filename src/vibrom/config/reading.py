@@ -12,6 +12,8 @@ from vibrom.config.method_file import MethodFile
 from vibrom.config.scene import SHAPE, Block, Scene
 from vibrom.config.sweeps import check_sweeps
 
+MOST_STEPS = 10_000_000  # of one run of the full order
+
 
 def block(layers: Layers, path: tuple, kind: type[Block], without: str = "") -> dict[str, Any]:
     """The block at `path`, checked; one key of it may be another's business."""
@@ -100,6 +102,14 @@ def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     if time["steps_per_period"] % time["every"]:
         cure = f"does not divide steps_per_period = {time['steps_per_period']}; choose a divisor"
         layers.refuse(("time", "every"), time["every"], cure)
+    runs = {("record", "periods"): plain["record"]["periods"]}
+    for name, settings in plain["experiments"].items():
+        if isinstance(settings.get("periods"), int):
+            runs["experiments", name, "periods"] = settings["periods"]
+    for path, periods in runs.items():
+        if (steps := periods * time["steps_per_period"]) > MOST_STEPS:
+            cure = f"makes {steps:.3g} time steps; lower it, or time.steps_per_period"
+            layers.refuse(path, periods, f"{cure} ({MOST_STEPS:.0e} at most)")
 
 
 def method(sources: Sources, folder: Path, name: str) -> MethodFile:

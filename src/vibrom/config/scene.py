@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from vibrom.config.kinds import Count, Fraction, Name, Positive, Steps
+from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps
 
 Role = Literal["train", "test"]
 # Effects add up in this order, whatever the order of their keys, those of one stage by their names:
@@ -41,7 +41,7 @@ class Release(Block, frozen=True):
     """
 
     forcing: Positive  # amplitude, as a multiple of the load
-    step: Count  # the time step at which the displacement is taken
+    step: Step  # the time step at which the displacement is taken
 
 
 class Record(Block, frozen=True):

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import asdict, dataclass, replace
+from math import comb
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from vibrom.config.kinds import Count, Positive, Whole
+from vibrom.config.kinds import Count, Order, Positive, Units, Whole
 from vibrom.latent import coordinates
 from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates
@@ -53,8 +54,8 @@ class AutoencoderMethod(Method):
     """Settings of network, coordinates and optimiser."""
 
     latent: Count = 1  # reduced positions; the state has twice as many coordinates
-    order: Count = 3  # of the polynomial dynamics
-    hidden: tuple[Count, ...] = (64, 32)  # units of the encoder's hidden layers, mirrored to decode
+    order: Order = 3  # of the polynomial dynamics
+    hidden: tuple[Units, ...] = (64, 32)  # units of the encoder's hidden layers, mirrored to decode
     # smooth ones give smooth accelerations, and tanh alone cannot bend one way
     activation: Literal["elu", "silu", "softplus", "tanh"] = "silu"
     # proper orthogonal directions that carry the displacements; 0: the displacements themselves
@@ -136,6 +137,12 @@ class AutoencoderMethod(Method):
             time_scale=self.time_scale,
         )
         stack = chosen.stack(training.trajectories, self.every)
+        samples, terms = stack.shape[1], comb(2 * self.latent + self.order, self.order) - 1
+        if samples < terms:
+            raise MethodError(
+                f"every = {self.every} leaves {samples} samples to train on, fewer than the "
+                f"{terms} terms of dynamics of order = {self.order}; lower one, or record more"
+            )
         if stack.shape[-1] < self.latent:
             raise MethodError(
                 f"the training data move along {stack.shape[-1]} directions, fewer than latent = "

@@ -18,7 +18,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from vibrom.config.kinds import Count, Fraction, Tolerance
+from vibrom.config.kinds import Count, Fraction, Order, Tolerance
 from vibrom.latent.manifold_rom import ManifoldRom
 from vibrom.latent.manifold_series import ManifoldSeries
 from vibrom.models.method import Method
@@ -48,7 +48,7 @@ class Equations(Method):
     of_equations: ClassVar[bool] = True
 
     modes: tuple[Count, ...] = (1,)  # counted from one
-    order: Count = 15  # the higher, the closer where it is trusted; a lower one may reach farther
+    order: Order = 15  # the higher, the closer where it is trusted; a lower one may reach farther
     style: Literal["normal_form", "graph"] = "normal_form"
     beyond: Literal["taylor", "pade"] = "pade"  # the radius of convergence
     # by the symplectic form, exact for damping by the mass; or by the equations, for any damping

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.config.kinds import Count
+from vibrom.config.kinds import Count, Order
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.models.method import Method
@@ -22,7 +22,7 @@ class ModalProjection(Method):
     """See the module."""
 
     modes: Count = 1
-    order: Count = 3  # of the polynomial dynamics
+    order: Order = 3  # of the polynomial dynamics
 
     def fit(self, training: Training) -> PolynomialRom:
         """See Method."""

@@ -9,7 +9,7 @@ motion, every amplitude alike (`amplitude_power`).
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from vibrom.config.kinds import Count
+from vibrom.config.kinds import Order
 from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coefficients import fit_first_order
 from vibrom.latent.coordinates import linear_dynamics
@@ -21,7 +21,7 @@ from vibrom.models.training import MethodError, Training
 class SplitPlus(Method):
     """See the module."""
 
-    order: Count = 3  # of the polynomial dynamics
+    order: Order = 3  # of the polynomial dynamics
     # decoder_mass: virtual work, right for any load; decoder: equation 2.16 of the thesis, and
     # encoder, which are right for loads proportional to the mass times the motion
     force_rule: Literal["decoder_mass", "decoder", "encoder"] = "decoder_mass"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.config.kinds import Count
+from vibrom.config.kinds import Count, Order
 from vibrom.latent.coordinates import linear_dynamics
 from vibrom.latent.polynomial import exponents
 from vibrom.latent.polynomial_rom import PolynomialRom, fit_remainder
@@ -26,8 +26,8 @@ class SsmLearn(Method):
     """See the module."""
 
     modes: Count = 1
-    order_decoder: Count = 3
-    order_dynamics: Count = 3
+    order_decoder: Order = 3
+    order_dynamics: Order = 3
 
     def fit(self, training: Training) -> PolynomialRom:
         """See Method."""

@@ -4,18 +4,19 @@ be interrupted.
 
 from __future__ import annotations
 
+import hashlib
+import io
 import sys
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
-from vibrom.artefacts.files import DataError, replacing
+from vibrom.artefacts.files import DataError, write
 from vibrom.artefacts.outcome import Outcome
 from vibrom.artefacts.progress import bar
 from vibrom.methods import method_from_settings
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
 
 FITS, ENOUGH = 3, 0.5  # a fit is timed up to three times, or until that took half a second
 
+DIGEST = hashlib.sha256().digest_size
+
 
 @dataclass(frozen=True)
 class Recipe:
@@ -57,8 +60,8 @@ class Recipe:
 
 
 class FileMonitor(Monitor):
-    """Keeps the loss history and shows progress; `path` (.npz, no pickle) is the place of the last
-    checkpoint, None for none.
+    """Keeps the loss history and shows progress; `path` is the place of the last checkpoint, None
+    for none: the sha256 of an .npz without pickled objects, and the .npz.
     """
 
     def __init__(self, path: str | None, title: str):
@@ -81,11 +84,13 @@ class FileMonitor(Monitor):
         """See Monitor."""
         if self.path is None or not self.path.exists():
             return None
-        try:
-            with np.load(self.path, allow_pickle=False) as stored:
-                state = {name: stored[name] for name in stored.files}
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile):
-            return None  # torn while it was written: the training starts again
+        raw = self.path.read_bytes()
+        digest, content = raw[:DIGEST], raw[DIGEST:]
+        if hashlib.sha256(content).digest() != digest:
+            print(f"{self.path}: damaged; the training starts again", file=sys.stderr)
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as stored:
+            state = {name: stored[name] for name in stored.files}
         earlier = float(state.pop("spent_seconds", 0.0))
         self.seconds["total"] = self.seconds.get("total", 0.0) + earlier
         return state
@@ -95,8 +100,9 @@ class FileMonitor(Monitor):
         if self.path is None:
             return
         try:
-            with replacing(self.path) as partial, partial.open("wb") as file:
-                np.savez(file, **state, spent_seconds=self.spent("total"))
+            content = io.BytesIO()
+            np.savez(content, **state, spent_seconds=self.spent("total"))
+            write(self.path, hashlib.sha256(content.getvalue()).digest() + content.getvalue())
         except DataError as error:
             print(f"{self.title}: no checkpoint ({error}); the training resumes", file=sys.stderr)
 

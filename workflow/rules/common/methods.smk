@@ -22,7 +22,7 @@ def checkpoint(method):
     def path(wildcards, output):
         recipe = (SCENES[wildcards.scene], METHODS[method], fit_code(method)(wildcards))
         key = hashlib.sha256(repr(recipe).encode()).hexdigest()[:8]
-        return str(Path(output.rom).with_name(f"checkpoint_{key}.npz"))
+        return str(Path(output.rom).with_name(f"{key}.checkpoint"))
 
     return path
 

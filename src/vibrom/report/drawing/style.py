@@ -12,7 +12,11 @@ from matplotlib.figure import Figure
 
 from vibrom.thesis.labels import KNOWN
 
-STYLE = {
+# Whatever the user's own style sheet says, as text set by LaTeX.
+DEFAULTS = {
+    key: value for key, value in matplotlib.rcParamsDefault.items() if not key.startswith("backend")
+}
+STYLE = DEFAULTS | {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.titlesize": 8,

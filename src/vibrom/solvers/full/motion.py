@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vibrom.artefacts.hardware import check_memory
 from vibrom.artefacts.outcome import Outcome
 
 
@@ -32,9 +33,15 @@ class Record:
 
     def allocate(self, n: int, states: int, steps: int) -> Motion:
         """A motion without values yet."""
-        kept = np.arange(self.start, steps + 1, self.every)
-        displacement, velocity, acceleration = np.full((3, states, len(kept), n), np.nan)
+        count = len(range(self.start, steps + 1, self.every))
         watched = max(steps + 1 - self.probe_start, 0)
+        check_memory(
+            8.0 * states * (3 * count * n + len(self.probes) * watched),
+            f"the motion of {states} x {n} displacements over {steps} steps",
+            "lower periods, steps_per_period or body.cells",
+        )
+        kept = np.arange(self.start, steps + 1, self.every)
+        displacement, velocity, acceleration = np.full((3, states, count, n), np.nan)
         return Motion(
             kept=kept,
             displacement=displacement,
