@@ -267,3 +267,15 @@ def test_seed_folders_and_starts(root):
     ]
     assert plain.start_of("split_plus", "seed_1") == ("split", "seed_1")
     assert plain.start_of("split", "seed_1") is None
+
+
+def test_some_experiments_are_evaluated_where_scenes_set_them(project, tmp_path):
+    every = load(project)
+    assert set(every.asked("folding")) == set(every.experiments) >= {"branches", "sweeps"}
+    assert set(every.experiments) - set(every.asked("small")) == {"branches", "sweeps"}
+    less = overlay(tmp_path, "scene_settings: {folding: {experiments: {sweeps: null}}}")
+    assert "sweeps" not in load(project, less).asked("folding")
+    more = overlay(tmp_path, "scene_settings: {small: {experiments: {branches: {forcing: 1}}}}")
+    assert "branches" in load(project, more).asked("small")
+    wrong = overlay(tmp_path, "scene_settings: {small: {experiments: {branches: {}}}}")
+    assert "experiments.branches.forcing is missing" in complaint(project, wrong)
