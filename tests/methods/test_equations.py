@@ -201,6 +201,24 @@ def test_action_coordinates_and_ratios_reach_farther_than_series(beam, rom):
     assert rom.reach[0] > 1.05 * series.reach[0]
 
 
+def test_orbits_reach_farther_than_ratios(beam, rom):
+    """At the same large amplitude they obey the equations better, at small ones well enough."""
+    farther = fitted(beam, order=9, beyond="orbits")
+    assert farther.reach[0] > 1.02 * rom.reach[0]
+    residual, far = Residual(beam), ellipse(rom.reach, 0, 1.3)
+    assert equation_error(residual, farther, far) < 0.5 * equation_error(residual, rom, far)
+    assert equation_error(residual, farther, ellipse(rom.reach, 0, 0.3)) < 1e-3
+    z = ellipse(rom.reach, 0, 0.8)
+    pushed = [model.force_map(z, beam.load) / rom.reach for model in (rom, farther)]
+    np.testing.assert_allclose(pushed[1], pushed[0], atol=0.02 * abs(pushed[0]).max())
+
+
+@pytest.mark.parametrize("other", [{"style": "graph"}, {"force": "invariance"}, {"modes": (1, 2)}])
+def test_orbits_are_those_of_one_mode_in_normal_form(other):
+    with pytest.raises(MethodError, match="beyond: pade"):
+        Equations(beyond="orbits", **other)
+
+
 def test_a_motion_beyond_the_reach_says_so(rom):
     start = np.array([[1.2 * rom.reach[0], 0.0]])
     run = rollout(rom, start, np.linspace(0, 0.01, 9)[None], Integrator())

@@ -17,7 +17,9 @@ def test_snakemake_has_nothing_to_say_about_the_rules():
 
 def test_the_environment_of_conda_has_the_packages_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    extras = [item for extra in ("train", "workflow") for item in project["optional-dependencies"][extra]]
+    extras = [
+        item for extra in ("train", "workflow") for item in project["optional-dependencies"][extra]
+    ]
     wanted = {re.match(r"[A-Za-z0-9-]+", item)[0] for item in project["dependencies"] + extras}
     environment = yaml.safe_load((ROOT / "envs/vibrom.yaml").read_text())
     listed = {re.match(r"[A-Za-z0-9-]+", item)[0] for item in environment["dependencies"]}

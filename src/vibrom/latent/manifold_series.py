@@ -116,8 +116,8 @@ class ManifoldSeries:
             of_circle(monomials, below)
         ) * self._weight
 
-    def model(self, degree: int) -> ManifoldRom:
-        """With denominators of at most this degree in |z|^2."""
+    def model(self, degree: int, aside: int | None = None) -> ManifoldRom:
+        """With denominators of at most this degree in |z|^2, or `aside` of what a load adds."""
         (shape, below), (rate, below_rate), (push, below_push) = (
             self._ratio(part, degree) for part in range(3)
         )
@@ -134,7 +134,7 @@ class ManifoldSeries:
             below_dynamics=below_rate,
             push=push.reshape(len(self.reach), k, -1),
             below_push=below_push,
-            **self._beside(degree),
+            **self._beside(degree if aside is None else aside),
             radius=2.0 * convergence_radius(self.manifold),
             trust_displacement=None,
             trust_error=None,

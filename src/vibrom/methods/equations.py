@@ -6,12 +6,16 @@ No motion is simulated and nothing is trained. The series are those of `solvers.
 in normal form gets the action of its orbits for a coordinate, and with `beyond: pade` ratios of
 polynomials, which hold beyond the series' radius of convergence. Among denominators of degree 0 to
 3 in |z|^2 the one is taken whose model obeys the equations of motion farthest (`models.trust`).
-That amplitude is the model's reach: a motion that leaves it ends as `left_range`.
+That amplitude is the model's reach: a motion that leaves it ends as `left_range`. With `beyond:
+orbits` periodic motions of the undamped body are followed farther, and polynomials fitted to them
+(`latent.manifold_orbits`): this costs a second, and reaches motions at which series of any order
+cease to converge.
 
 A load pushes z, by its part along the manifold, and adds a displacement beside it, both to first
 order in the load and to any order in z.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar, Literal
@@ -19,6 +23,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from vibrom.config.kinds import Count, Fraction, Order, Tolerance
+from vibrom.latent.manifold_orbits import followed
 from vibrom.latent.manifold_rom import ManifoldRom
 from vibrom.latent.manifold_series import ManifoldSeries
 from vibrom.models.method import Method
@@ -50,13 +55,23 @@ class Equations(Method):
     modes: tuple[Count, ...] = (1,)  # counted from one
     order: Order = 15  # the higher, the closer where it is trusted; a lower one may reach farther
     style: Literal["normal_form", "graph"] = "normal_form"
-    beyond: Literal["taylor", "pade"] = "pade"  # the radius of convergence
+    # the radius of convergence; orbits: of one mode in normal form, for the symplectic force
+    beyond: Literal["taylor", "pade", "orbits"] = "pade"
     # by the symplectic form, exact for damping by the mass; or by the equations, for any damping
     force: Literal["symplectic", "invariance"] = "symplectic"
     detuning: Fraction = 0.1  # relative, up to which two frequencies of the manifold resonate
     tolerance: Tolerance = (
         0.01  # relative error of the equations of motion up to which it is trusted
     )
+
+    def check(self) -> None:
+        """See Method."""
+        plain = self.style == "normal_form" and self.force == "symplectic"
+        if self.beyond == "orbits" and not (plain and len(self.modes) == 1):
+            raise MethodError(
+                "beyond is orbits, which are those of one mode in normal form with the symplectic "
+                "force map; choose these, or beyond: pade"
+            )
 
     def fit(self, training: Training) -> ManifoldRom:
         """The manifold of the term's equations; Unsupported where a force is no polynomial."""
@@ -89,10 +104,19 @@ class Equations(Method):
 
     def _best(self, series: ManifoldSeries, residual: Residual) -> ManifoldRom:
         """The model that is trusted farthest, with its reach and what the trust rests on."""
-        ratios = self.beyond == "pade" and self.style == "normal_form" and series.of_circles
+        ratios = self.beyond != "taylor" and self.style == "normal_form" and series.of_circles
+        best = self._farthest(map(series.model, DENOMINATORS if ratios else (0,)), residual)
+        if self.beyond == "orbits":
+            farther = followed(series, best, residual.term).model(0, aside=DENOMINATORS[0])
+            farther = self._farthest([replace(farther, radius=best.radius)], residual)
+            best = max(best, farther, key=lambda model: model.reach[0])
+        displacement, error = trust_curve(residual, best, TRUST_AT)
+        return replace(best, trust_displacement=displacement, trust_error=error)
+
+    def _farthest(self, models: Iterable[ManifoldRom], residual: Residual) -> ManifoldRom:
+        """That of these models, alike in scale, which is trusted farthest; there is its reach."""
         best, amplitude = None, np.zeros(len(self.modes))
-        for degree in DENOMINATORS if ratios else (0,):
-            model = series.model(degree)
+        for model in models:
             found = [
                 trusted(partial(_error, residual, model, i), self.tolerance, FARTHEST, least)
                 for i, least in enumerate(amplitude)
@@ -104,9 +128,7 @@ class Equations(Method):
                 f"tolerance is {self.tolerance:g}, and the manifold of order {self.order} keeps it "
                 "at no amplitude; choose another order or a larger tolerance"
             )
-        best = replace(best, reach=best.reach * np.tile(amplitude, 2))
-        displacement, error = trust_curve(residual, best, TRUST_AT)
-        return replace(best, trust_displacement=displacement, trust_error=error)
+        return replace(best, reach=best.reach * np.tile(amplitude, 2))
 
 
 def _error(residual: Residual, model: ManifoldRom, oscillator: int, amplitude: float) -> float:

@@ -1,10 +1,11 @@
 """How well a reduced model obeys the equations of motion, before any truth is seen.
 
-    r = M a + C v + K q + f(q_0 + q, v) - f(q_0, 0),    e = |(K + df/dq + omega^2 M)^-1 r| / max |q|
+    r = M a + C v + K q + f(q_0 + q, v) - f(q_0, 0),    e = |A^-1 r| / max |q|
 
 with q, v and a of the model's own motion through a reduced state: the derivatives of q(z(t)) along
-dz/dt = drift(z). e is the displacement that would balance the residual in a vibration of the
-model's frequency omega, relative to the largest one. It is evaluated on the ellipses that small
+dz/dt = drift(z). A is the stiffness of the deformed body, without what its stresses add, and
+omega^2 M, omega the model's frequency: e is the displacement that would balance the residual in a
+vibration, relative to the largest one. It is evaluated on the ellipses that small
 motions follow, where one reduced oscillator moves: z = amplitude (Z cos t, -Z' sin t), Z and Z' the
 model's reach. Any model whose scene has operators can be measured so.
 """
@@ -12,19 +13,16 @@ model's reach. Any model whose scene has operators can be measured so.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from vibrom.models.rom import Rom
+from vibrom.solvers.full.material import Material
 from vibrom.solvers.full.modes import linearised
-from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
 
 STEP = 3e-3  # of the model's time scale: of differences in time
 PHASES = 8
-WIDEST = 100  # half bandwidth that is still factorised as a band
 FINEST = 1.05  # ratio of amplitudes at which the search for the trusted one ends
 
 
@@ -35,6 +33,7 @@ class Residual:
         self.term = term
         self.rest, _ = linearised(term)
         self.held = self._forces(self.rest, np.zeros(term.size))
+        self._materials: dict[float, Material] = {}
 
     def _forces(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         f = np.zeros((len(q), 1))
@@ -50,23 +49,11 @@ class Residual:
             total = total if part is None else total + part @ motion
         return total
 
-    @cached_property
-    def _tangents(self) -> dict[float, Tangent]:
-        return {}
-
-    def balance(self, q: np.ndarray, v: np.ndarray, r: np.ndarray, omega: float) -> np.ndarray:
-        """(K + df/dq + omega^2 M)^-1 r (n,) [m]."""
-        if omega not in self._tangents:
-            self._tangents[omega] = Tangent(self.term, omega**2, 0.0, 1.0)
-        pattern = self._tangents[omega]
-        q, v = (np.array(part[:, None], order="C") for part in (self.rest + q, v))
-        row, column = pattern.row, np.repeat(np.arange(len(r)), np.diff(pattern.start))
-        half = int(np.abs(row - column).max())
-        if half > WIDEST:
-            return pattern.factor(q, v).solve(r)
-        band = np.zeros((2 * half + 1, len(r)))
-        band[half + row - column, column] = pattern.at(q, v).data
-        return solve_banded((half, half), band, r, overwrite_ab=True, check_finite=False)
+    def balance(self, q: np.ndarray, r: np.ndarray, omega: float) -> np.ndarray:
+        """A^-1 r (n,) [m]."""
+        if omega not in self._materials:
+            self._materials[omega] = Material(self.term, omega**2)
+        return self._materials[omega].solve(self.rest + q, r)
 
 
 def ellipse(reach: np.ndarray, oscillator: int, amplitude: float) -> np.ndarray:
@@ -114,7 +101,7 @@ def equation_error(residual: Residual, rom: Rom, z: np.ndarray) -> float:
         if not np.isfinite([q, v, a]).all():
             return float("inf")
         errors = [
-            np.linalg.norm(residual.balance(*state[:2], residual(*state), omega))
+            np.linalg.norm(residual.balance(state[0], residual(*state), omega))
             for state in zip(q, v, a)
         ]
     return float(np.max(errors) / np.linalg.norm(q, axis=1).max())

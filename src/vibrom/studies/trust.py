@@ -1,6 +1,6 @@
 """How well models obey the equations of motion, before any truth is seen.
 
-    e = |(K + df/dq + omega^2 M)^-1 r| / max |q|,    r the residual of the model's own motion
+    e = |A^-1 r| / max |q|,    r the residual of the model's own motion
 
 (`models.trust`). It is evaluated along ellipses of growing amplitude, where one reduced oscillator
 moves, and in the first period of the model's own decay from the test release. A model is trusted up

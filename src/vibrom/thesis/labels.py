@@ -11,6 +11,7 @@ LABELS = {
     "split_plus": "SPLIT+",
     "pysindy_modal": "pysindy modal",
     "equations": "Equations",
+    "equations_orbits": "Equations, orbits",
 }
 KNOWN = tuple(LABELS)[1:]  # methods with a look of their own
 

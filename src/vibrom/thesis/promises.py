@@ -107,29 +107,27 @@ FOLLOWED = (
     ("peak amplitude", "peak_error_percent", "%", Bound(-3.0, 3.0, "0 within 3")),
     ("place of the peak", "peak_steps", "1", at_most(1)),
 )
-# The model from the equations of motion: quantity -> where it stands, unit, what it depends on, and
-# the largest error of the cases small, large and folding.
+# Models from the equations of motion: method -> quantity -> where it stands, its unit, what it
+# depends on, and the largest value in the cases small, large and folding.
+CURVE = {
+    "frc, median amplitude error": ("frc", "amplitude_error_median_percent"),
+    "frc, largest amplitude error": ("frc", "amplitude_error_largest_percent"),
+}
 EQUATIONS = {
-    "decay NMTE": (("decay", "nmte_percent"), "%", {"test"}, (0.035, 0.04, 0.1)),
-    "decay NMTE, converged": (
-        ("decay", "converged_nmte_percent"),
-        "%",
-        {"test"},
-        (0.001, 0.007, 0.1),
-    ),
-    "frc, median amplitude error": (
-        ("frc", "amplitude_error_median_percent"),
-        "%",
-        {"frc"},
-        (0.02, 0.02, 1.0),
-    ),
-    "frc, largest amplitude error": (
-        ("frc", "amplitude_error_largest_percent"),
-        "%",
-        {"frc"},
-        (0.2, 0.2, 2.0),
-    ),
-    "offline time": (("offline",), "s", set(), (0.3, 0.3, 0.3)),
+    "equations": {
+        "decay NMTE": (("decay", "nmte_percent"), "%", {"test"}, (0.035, 0.04, 0.1)),
+        "decay NMTE, converged": (
+            ("decay", "converged_nmte_percent"),
+            "%",
+            {"test"},
+            (0.001, 0.007, 0.1),
+        ),
+        "offline time": (("offline",), "s", set(), (0.3, 0.3, 0.3)),
+    },
+    "equations_orbits": {
+        quantity: (at, "%", {"frc"}, bounds)
+        for (quantity, at), bounds in zip(CURVE.items(), ((0.02, 0.02, 1.0), (0.2, 0.2, 2.0)))
+    },
 }
 
 
@@ -157,7 +155,7 @@ def of_method(case: str, method: str, frequency: float) -> Iterator[Promise]:
         yield _promise(method, "decay NMTE", below(10), PROMISE)
         yield _promise(method, "eigenvalue, imaginary part", within(frequency, 5.0), "full order")
         yield _promise(method, "eigenvalue, real part", below(0), PROMISE)
-    for quantity, (at, unit, needs, bounds) in EQUATIONS.items() if method == "equations" else ():
+    for quantity, (at, unit, needs, bounds) in EQUATIONS.get(method, {}).items():
         bound = at_most(bounds[list(FORCING).index(case)])
         yield Promise(method, quantity, at, unit, bound, PROMISE, needs)
     if method in GUARDED and case == "folding":

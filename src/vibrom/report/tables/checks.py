@@ -7,8 +7,8 @@ counts as infinitely wrong. A missing number is not met. A case with another bod
 than the thesis's is not compared with it, nor an answer that depends on another release or
 another forcing: a row says so.
 
-The model from the equations of motion must follow decays, those without errors of the time
-integration too (table "decay"), and response curves, at every frequency, and be made in time.
+Models from the equations of motion must follow decays, those without errors of the time
+integration too (table "decay"), and response curves at every frequency, and be made in time.
 
 Of the folding case, SPLIT+ and the decoupled autoencoder must follow the response curve all the
 way with their guards (table "guards"): no point without a value, the median amplitude error, the

@@ -1,0 +1,109 @@
+"""The stiffness of a deformed body without what its stresses add, and a mass.
+
+    A(q) = s M + K + sum_points w B' [J' D J - L' D L] B,    J = L + 2 Q(y, .),    y = B q
+
+in the words of `term.Quartic`. Compressed bodies have tangents that are nowhere near positive
+definite, and singular at some states; A is positive definite at any. Forces that are no cubic
+polynomials are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import solve_banded
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
+from scipy.sparse.linalg import splu
+
+from vibrom.term import Quartic, Term
+
+WIDEST = 100  # half bandwidth that is still factorised as a band
+
+
+class Material:
+    """A of a term and a scale s of its mass [1/s^2]."""
+
+    def __init__(self, term: Term, scale: float):
+        self.n = term.size
+        potentials = [
+            part for force in term.forces if force.quartic is not None for part in force.quartic()
+        ]
+        linear = [coo_matrix(scale * term.mass)]
+        linear += [] if term.stiffness is None else [coo_matrix(term.stiffness)]
+        squares = [_Square(part) for part in potentials]
+        rows, columns = (
+            np.concatenate([getattr(part, name) for part in (*linear, *squares)])
+            for name in ("row", "col")
+        )
+        keys, place = np.unique(columns * np.int64(self.n) + rows, return_inverse=True)
+        self.row, self.column = keys % self.n, keys // self.n
+        ends = np.cumsum([len(part.row) for part in (*linear, *squares)])[:-1]
+        places = np.split(place, ends)
+        self.base = sum(
+            np.bincount(where, part.data, len(keys)) for where, part in zip(places, linear)
+        )
+        self.parts = [
+            (part, part.spread(where, len(keys)))
+            for where, part in zip(places[len(linear) :], squares)
+        ]
+
+    def at(self, q: np.ndarray) -> np.ndarray:
+        """Its entries at `row` and `column` of a displacement (n,)."""
+        return self.base + sum(spread @ part.moduli(q) for part, spread in self.parts)
+
+    def solve(self, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """A(q)^-1 r (n,)."""
+        values, half = self.at(q), int(np.abs(self.row - self.column).max())
+        if half > WIDEST:
+            matrix = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
+            return splu(matrix).solve(r)
+        band = np.zeros((2 * half + 1, self.n))
+        band[half + self.row - self.column, self.column] = values
+        return solve_banded((half, half), band, r, overwrite_ab=True, check_finite=False)
+
+
+class _Square:
+    """One potential: entries of B' (.) B as a linear function of what stands between, point by
+    point.
+    """
+
+    def __init__(self, potential: Quartic):
+        self.potential, points = potential, len(potential.weight)
+        local = coo_matrix(potential.local)
+        point, component = local.row % points, local.row // points
+        order = np.argsort(point, kind="stable")
+        point, component, dof, value = (
+            part[order] for part in (point, component, local.col, local.data)
+        )
+        left, right = (np.array(part) for part in _pairs(point, points))
+        self.row, self.col = dof[left].astype(np.int64), dof[right].astype(np.int64)
+        self.value = value[left] * value[right]
+        k = potential.linear.shape[1]
+        self.between = (component[left] * k + component[right]) * points + point[left]
+        self.count = k * k * points
+        self.undeformed = self._moduli(np.zeros(local.shape[1]))
+
+    def spread(self, place: np.ndarray, size: int) -> csr_matrix:
+        """(size, k k points): what stands between goes to these places (l,) of the entries."""
+        return csr_matrix((self.value, (place, self.between)), shape=(size, self.count))
+
+    def moduli(self, q: np.ndarray) -> np.ndarray:
+        """w (J' D J - L' D L) of all points, flat."""
+        return self._moduli(q) - self.undeformed
+
+    def _moduli(self, q: np.ndarray) -> np.ndarray:
+        part = self.potential
+        y = (part.local @ q).reshape(-1, len(part.weight))
+        slope = part.linear[:, :, None] + 2.0 * np.einsum("mij,ip->mjp", part.square, y)
+        stress = np.einsum("ml,ljp->mjp", part.moduli, slope)
+        return (np.einsum("mip,mjp->ijp", slope, stress) * part.weight).ravel()
+
+
+def _pairs(point: np.ndarray, points: int) -> Iterator[np.ndarray]:
+    """Which entries, in the order of their points, share one: two index arrays."""
+    count = np.bincount(point, minlength=points)
+    start, own = np.cumsum(count) - count, count[point]
+    left = np.repeat(np.arange(len(point)), own)
+    yield left
+    yield start[point[left]] + np.arange(len(left)) - np.repeat(np.cumsum(own) - own, own)
