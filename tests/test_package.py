@@ -15,7 +15,6 @@ EXTRAS = (
     "jinja2",
     "rich",
     "yaml",
-    "psutil",
 )
 WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))\n"  # None: cannot be imported
 MODEL = """

@@ -102,7 +102,7 @@ def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     if time["steps_per_period"] % time["every"]:
         cure = f"does not divide steps_per_period = {time['steps_per_period']}; choose a divisor"
         layers.refuse(("time", "every"), time["every"], cure)
-    runs = {("record", "periods"): plain["record"]["periods"]}
+    runs: dict[tuple[str, ...], int] = {("record", "periods"): plain["record"]["periods"]}
     for name, settings in plain["experiments"].items():
         if isinstance(settings.get("periods"), int):
             runs["experiments", name, "periods"] = settings["periods"]
