@@ -11,6 +11,7 @@ from markupsafe import escape
 from written import EXPERIMENTS, PLUGS, TABLES
 
 from vibrom.artefacts.outcome import Tally
+from vibrom.models.measures import nmte_percent
 from vibrom.report import answer, failures, outputs, tables
 from vibrom.report import headline as numbers
 from vibrom.report.columns import number
@@ -127,6 +128,24 @@ def test_the_store_has_a_run_for_each_model(made, small):
     assert "small modal_projection unseeded" in runs and ("training_diverged",) in ended
     homes = {Path(path).resolve() for (path,) in tags}
     assert (small.results / "large/split/seed_1").resolve() in homes
+
+
+def test_a_fitted_model_is_loaded_from_the_store_and_predicts_as_the_scores_say(made, real):
+    """Bit for bit: the same model, settings and compiled code."""
+    import mlflow
+
+    client = mlflow.MlflowClient(f"sqlite:///{made / 'mlflow.db'}")
+    for method, seed in (("modal_projection", None), ("split", 1)):
+        whose = "unseeded" if seed is None else f"seed_{seed}"
+        wanted = f"attributes.run_name = 'small {method} {whose}'"
+        (run,) = client.search_runs(["1"], wanted)
+        (output,) = run.outputs.model_outputs
+        home = client.get_logged_model(output.model_id).artifact_location
+        record = real.find("small", "full_order", "test")
+        predicted = mlflow.pyfunc.load_model(home).predict(record.encoding["source"])
+        error = nmte_percent(record["displacement"].values, predicted.values)
+        assert error == Scores.of(real).value("small", method, seed, "decay", "nmte_percent")
+        assert output.model_id in run.data.tags["mlflow.note.content"]
 
 
 def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, real):

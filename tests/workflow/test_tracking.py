@@ -1,13 +1,23 @@
 """The MLflow store is a view of the artefacts: built again, it holds the same runs once."""
 
+import json
 import math
+import os
+import signal
+import socket
 import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from vibrom import tracking
 from vibrom.tracking import TrackedRun, record, thinned
+from vibrom.tracking import __main__ as serve
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +40,10 @@ def store(tmp_path_factory):
                 {"decay/nmte_percent": value, "forced/nmte_percent": math.nan},
                 {"losses/train_total": curve, "losses/test_total": broken},
                 {"outcome.forced": "diverged", "artefacts": "results/folding/split/seed_0"},
+                note="This is one model.",
+                began=1e9,
+                seconds=2.5,
+                data=(tracking.Data("folding train", "0123abc", "results/train.nc"),),
             ),
             TrackedRun("summary", files={"tables": [str(table)]}),
         ]
@@ -71,12 +85,135 @@ def test_curves_params_and_files_arrive(store):
     assert len(list((store / "artifacts").rglob("tables/decay.csv"))) == 1
 
 
-def test_link_lands_on_the_comparison_table(store):
+def test_links_open_views_that_the_store_has(store):
     ((identity,),) = rows(store, "select experiment_id from experiments where name = 'vibrom'")
-    assert (
-        tracking.link(store / "mlflow.db", "http://here:1")
-        == f"http://here:1/#/experiments/{identity}/runs?workflowType=machine_learning"
-    )
+    found = serve.links(store / "mlflow.db", "http://here:1")
+    kept = dict(rows(store, "select key, value from experiment_tags"))
+    for address in found.values():
+        start, key = address.split("&viewStateShareKey=")
+        assert start == f"http://here:1/#/experiments/{identity}/runs?workflowType=machine_learning"
+        view = json.loads(kept[f"mlflow.sharedViewState.{key.split('&')[0]}"])
+        state = json.loads(view["state"])
+        assert {"params.`scene`", "params.`method`", "metrics.`decay/nmte_percent`"} <= set(
+            state["selectedColumns"]
+        )
+        assert state["groupBy"]["groupByKeys"][0] == {"mode": "param", "groupByData": "scene"}
+    assert [address.endswith("compareRunsMode=CHART") for address in found.values()].count(
+        True
+    ) == 1
+
+
+def test_a_run_has_source_duration_note_and_data(store):
+    tags = dict(rows(store, "select key, value from tags"))
+    assert tags["mlflow.source.name"] == "Snakefile" and "one model" in tags["mlflow.note.content"]
+    assert rows(store, "select end_time - start_time from runs where name like 'folding%'") == [
+        (2500,)
+    ]
+    assert rows(store, "select name, digest from datasets") == [("folding train", "0123abc")]
+
+
+def test_any_path_holds_a_store_and_nothing_is_left_outside(tmp_path):
+    name = "a?b#c%20d e"
+    folder = tmp_path / name
+    folder.mkdir()
+    record([TrackedRun("one")], store=folder / "mlflow.db", artifacts=folder / "mlflow_artifacts")
+    assert serve.experiment(folder / "mlflow.db") == "1"
+    assert sorted(path.name for path in folder.iterdir()) == ["mlflow.db", "mlflow_artifacts"]
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+
+
+def test_a_project_that_was_moved_keeps_its_files(tmp_path):
+    from mlflow import MlflowClient
+
+    before, after = tmp_path / "before_1", tmp_path / "after"
+    before.mkdir()
+    table = tmp_path / "decay.csv"
+    table.write_text("case\n")
+    runs = [TrackedRun("summary", files={"tables": [str(table)]})]
+    record(runs, store=before / "mlflow.db", artifacts=before / "mlflow_artifacts")
+    before.rename(after)
+    serve.relocate(after / "mlflow.db")
+    client = MlflowClient(f"sqlite:///{after / 'mlflow.db'}")
+    (run,) = client.search_runs(["1"])
+    path = client.download_artifacts(run.info.run_id, "tables/decay.csv")
+    assert Path(path).read_text() == "case\n"
+    assert after.as_uri() in run.info.artifact_uri
+
+
+def complaint(capsys, *words) -> str:
+    """The one line that the command ends with."""
+    with pytest.raises(SystemExit) as ended:
+        serve.main(list(words))
+    line = str(ended.value)
+    assert line.startswith("vibrom: ") and "\n" not in line
+    return line
+
+
+def test_what_cannot_be_served_is_one_line(store, tmp_path, capsys):
+    good, bad = str(store / "mlflow.db"), tmp_path / "bad.db"
+    assert "no such store" in complaint(capsys, str(tmp_path / "none.db"), "5000")
+    bad.write_text("hello, this is no database, and it is long enough to look like one" * 20)
+    assert "not a store of MLflow" in complaint(capsys, str(bad), "5000")
+    with sqlite3.connect(tmp_path / "other.db") as other:
+        other.execute("create table mine (a int)")
+    assert "not a store of MLflow" in complaint(capsys, str(tmp_path / "other.db"), "5000")
+    with socket.socket() as busy:
+        busy.bind(("127.0.0.1", 0))
+        busy.listen()
+        port = str(busy.getsockname()[1])
+        assert f"port {port}: cannot be used" in complaint(capsys, good, port)
+    assert "give a number" in complaint(capsys, good, "http")
+    assert capsys.readouterr().out == ""  # no address of a stranger's server
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """A tracking server on the loopback."""
+    folder = tmp_path_factory.mktemp("server")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    command = [sys.executable, "-m", "mlflow", "server", "--host", "127.0.0.1", "--port", str(port)]
+    command += ["--backend-store-uri", "sqlite:///server.db", "--workers", "1"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    process = subprocess.Popen(command, cwd=folder, start_new_session=True, **quiet)
+    try:
+        for _ in range(240):
+            with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1):
+                break
+            time.sleep(0.5)
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        os.killpg(process.pid, signal.SIGTERM)
+        process.wait()
+
+
+def test_the_same_runs_go_to_a_server_and_replace_what_was_sent(server, tmp_path, monkeypatch):
+    from mlflow import MlflowClient
+
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", server)
+    table = tmp_path / "decay.csv"
+    table.write_text("case\n")
+    for value in (1.5, 2.5):
+        runs = [TrackedRun("small split seed_0", {"scene": "small"}, {"decay/nmte_percent": value})]
+        runs.append(TrackedRun("summary", files={"tables": [str(table)]}))
+        record(runs, store=tmp_path / "mlflow.db", artifacts=tmp_path / "artifacts")
+    client = MlflowClient(server)
+    experiment = client.get_experiment_by_name("vibrom")
+    found = {run.info.run_name: run for run in client.search_runs([experiment.experiment_id])}
+    assert set(found) == {"small split seed_0", "summary"}
+    assert found["small split seed_0"].data.metrics == {"decay/nmte_percent": 2.5}
+    assert "mlflow.sharedViewState.table" in experiment.tags
+    names = [file.path for file in client.list_artifacts(found["summary"].info.run_id, "tables")]
+    assert names == ["tables/decay.csv"]
+
+
+def test_a_server_that_is_not_there_is_one_line(tmp_path, monkeypatch):
+    monkeypatch.setenv("MLFLOW_TRACKING_URI", "http://127.0.0.1:9")
+    monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")
+    with pytest.raises(tracking.TrackingError, match="could not be sent there") as error:
+        record([TrackedRun("one")], store=tmp_path / "mlflow.db", artifacts=tmp_path / "artifacts")
+    assert "\n" not in str(error.value) and (tmp_path / "mlflow.db").exists()
 
 
 @pytest.mark.parametrize("count", [0, 1, 249, 250, 251, 5000])

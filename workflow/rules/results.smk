@@ -44,7 +44,7 @@ rule report:
 
 rule tracking:
     input:
-        artefacts=FITTED + PREDICTIONS,
+        artefacts=FITTED + PREDICTIONS + of_full_order(SCENES, ["structure", "train", "test"]),
         scores=rules.scores.output.scores,
         tables=files("tables"),
         figures=files("figures"),

@@ -8,9 +8,12 @@ import numpy as np
 import xarray as xr
 
 from vibrom import tracking
-from vibrom.report.collection import FULL_ORDER, Collection, outcome
-from vibrom.report.scores import Score, Scores
-from vibrom.tracking import TrackedRun
+from vibrom.artefacts.outcome import worst
+from vibrom.report.collection import FULL_ORDER, Collection, answered, outcome
+from vibrom.report.scores import OFFLINE, Score, Scores, offline
+from vibrom.thesis.labels import label
+from vibrom.tracking import Data, TrackedRun
+from vibrom.tracking.decay_model import Parts
 
 
 def run(
@@ -30,11 +33,11 @@ def run(
     for scene in collection.scenes:
         mine = [row for row in scored.rows if row[:2] == (scene, FULL_ORDER)]
         if mine:
-            params = {"scene": scene, "method": FULL_ORDER}
-            name = f"{scene} {FULL_ORDER}"
-            runs.append(TrackedRun(name, params, _metrics(mine), tags=_outcomes(mine)))
+            runs.append(_full_order(collection, scene, mine))
     files = {"tables": tables, "figures": figures, "": [scores]}
-    runs.append(TrackedRun("summary", tags={"role": "summary", **provenance}, files=files))
+    tags = {"role": "summary", **provenance}
+    note = "Tables, figures and scores of the whole run."
+    runs.append(TrackedRun("summary", tags=tags, files=files, note=note))
     tracking.record(runs, store=store, artifacts=artifacts)
     print(f"{len(runs)} runs in {store}; `make ui` shows them")
 
@@ -45,13 +48,9 @@ def _model(
     """One fitted model: settings, scores, outcomes, loss curves, and where its artefacts are."""
     rom, losses = (collection.find(scene, method, name, seed) for name in ("rom", "losses"))
     mine = [row for row in scores.rows if row[:3] == (scene, method, seed)]
-    params = {
-        "scene": scene,
-        "method": method,
-        "seed": "unseeded" if seed is None else seed,
-        **_flat(json.loads(rom.attrs.get("settings", "{}"))),
-    }
-    seconds = {
+    whose = "unseeded" if seed is None else seed
+    chosen = _flat(json.loads(rom.attrs.get("settings", "{}")))
+    fit = {
         f"fit/{name}": float(rom[name])
         for name in ("data_seconds", "mapping_seconds", "dynamics_seconds")
         if name in rom
@@ -59,10 +58,79 @@ def _model(
     made_by = {
         name: str(rom.attrs[name]) for name in ("source_digest", "versions") if name in rom.attrs
     }
-    folder = os.path.relpath(Path(rom.encoding["source"]).parent)
-    tags = {"artefacts": folder, "outcome.fit": outcome(rom).value, **made_by, **_outcomes(mine)}
-    name = f"{scene} {method} {'unseeded' if seed is None else f'seed_{seed}'}"
-    return TrackedRun(name, params, seconds | _metrics(mine), _curves(losses), tags)
+    source = Path(rom.encoding["source"])
+    ends = {"outcome": worst(_endings(rom, mine)), "outcome.fit": outcome(rom).value}
+    name = f"{scene} {method} {whose if seed is None else f'seed_{seed}'}"
+    return TrackedRun(
+        name,
+        {"scene": scene, "method": method, "seed": whose, **chosen},
+        fit | _metrics(mine) | {"offline_s": _offline(scores, scene, method, seed)},
+        _curves(losses),
+        {"artefacts": os.path.relpath(source.parent), **ends, **made_by, **_outcomes(mine)},
+        note=f"{label(method)} in case {scene}: fitted, then evaluated on "
+        f"{', '.join(dict.fromkeys(row.experiment for row in mine))}. Its artefacts lie in "
+        f"`{os.path.relpath(source.parent)}`.",
+        began=source.stat().st_mtime - sum(fit.values()),
+        seconds=sum(fit.values()) + _seconds(mine),
+        data=_data(collection, scene),
+        model=_parts(collection, scene, method, seed),
+    )
+
+
+def _full_order(collection: Collection, scene: str, rows: list[Score]) -> TrackedRun:
+    """The reference of a scene."""
+    return TrackedRun(
+        f"{scene} {FULL_ORDER}",
+        {"scene": scene, "method": FULL_ORDER},
+        _metrics(rows),
+        tags=_outcomes(rows) | {"outcome": worst(one for row in rows for one in row.outcome)},
+        note=f"The full-order model of case {scene}, which the methods are compared with.",
+        seconds=_seconds(rows),
+        data=_data(collection, scene),
+    )
+
+
+def _data(collection: Collection, scene: str) -> tuple[Data, ...]:
+    """The recorded decays of a scene, each with the digest of its content."""
+    found = []
+    for role, context in (("train", "training"), ("test", "evaluation")):
+        record = collection.find(scene, FULL_ORDER, role)
+        if record is not None:
+            digest = str(record.attrs.get("content", "unknown"))[:36]
+            source = os.path.relpath(record.encoding["source"])
+            found.append(Data(f"{scene} {role}", digest, source, context))
+    return tuple(found)
+
+
+def _parts(collection: Collection, scene: str, method: str, seed: int | None) -> Parts | None:
+    """What predicts the decay again; None of a model that predicted none."""
+    rom, decay = (collection.find(scene, method, name, seed) for name in ("rom", "decay"))
+    structure, record = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "test"))
+    if structure is None or record is None or not answered(decay):
+        return None
+    step = float(record["time"][1] - record["time"][0])
+    return Parts(
+        rom.encoding["source"],
+        structure.encoding["source"],
+        json.loads(decay.attrs["settings"]),
+        round(float(record["period"]) / step),
+    )
+
+
+def _endings(rom: xr.Dataset, rows: list[Score]) -> list[str]:
+    """Of the fit and of all answers."""
+    return [outcome(rom), *(one for row in rows for one in row.outcome)]
+
+
+def _seconds(rows: list[Score]) -> float:
+    """Of all answers; one that took no time that is known counts nothing."""
+    spent = {row.experiment: row.seconds for row in rows}
+    return float(np.nansum([*spent.values(), 0.0]))
+
+
+def _offline(scores: Scores, scene: str, method: str, seed: int | None) -> float:
+    """Seconds before the first answer."""
+    return offline({name: scores.value(scene, method, seed, "run_times", name) for name in OFFLINE})
 
 
 def _metrics(rows: list[Score]) -> dict[str, float]:
