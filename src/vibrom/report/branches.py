@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.models.curves import Curve
+from vibrom.models.recorded import damped_frequency
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe
 
 
@@ -25,3 +26,27 @@ def scenes(collection: Collection, name: str = "branches") -> list[str]:
     return [
         scene for scene in collection.scenes if collection.find(scene, FULL_ORDER, name) is not None
     ]
+
+
+def landmark(collection: Collection, scene: str, name: str) -> float | None:
+    """A number of the full order's curve, frequencies in terms of the damped first one; None where
+    the scene takes no part, NaN where the curve has no such thing.
+    """
+    dataset = collection.find(scene, FULL_ORDER, "branches")
+    if dataset is None:
+        return None
+    found = curve(dataset)
+    if found is None:
+        return np.nan
+    scale = damped_frequency(collection.find(scene, FULL_ORDER, "structure"))
+    folds = [*np.sort(found.frequency[found.folds])[::-1], np.nan, np.nan]
+    numbers = {
+        "main folds": len(found.folds),
+        "upper fold": folds[0] / scale,
+        "lower fold": folds[1] / scale,
+        "peak": found.amplitude.max(),
+        "peak frequency": found.frequency[found.peak] / scale,
+        "stable peak": found.amplitude[found.stable].max(initial=0.0),
+        "motions": len(found.frequency),
+    }
+    return float(numbers[name])

@@ -71,6 +71,23 @@ class Promise(NamedTuple):
 
 # Largest tip displacement of the last forced period [m], and how close to it [%].
 TIP = {"small": (0.00095, 0.5), "large": (0.4678, 0.2), "folding": (0.8285, 0.2)}
+# Of the response curve with all branches, in terms of the damped first frequency, from long time
+# marching with the motion carried on: the main folds lie between a frequency at which it stays on
+# its branch and one at which it has left it. Case -> quantity -> its bound.
+BRANCHES = {
+    "large": {
+        "main folds": ZERO,
+        "peak": within(0.1944, 0.1),  # m
+        "peak frequency": within(1.0053, 0.02),
+    },
+    "folding": {
+        "main folds": Bound(2.0, 2.0, "2"),
+        "upper fold": Bound(1.04, 1.0423, "1.04 to 1.0423"),
+        "lower fold": Bound(1.03, 1.0312, "1.03 to 1.0312"),
+        "stable peak": Bound(0.448, math.inf, "at least 0.448"),  # m
+        "motions": Bound(100.0, math.inf, "at least 100"),
+    },
+}
 OMEGA_1 = Bound(398.0514, 398.0534, "398.0524 within 0.001")  # rad/s
 
 # Quantity -> where it stands, its unit, what it depends on, and the table of the thesis.
@@ -132,7 +149,7 @@ EQUATIONS = {
 
 
 def of_full_order(case: str) -> Iterator[Promise]:
-    """First frequency, release states, largest tip displacement."""
+    """First frequency, release states, largest tip displacement, landmarks of its branches."""
     yield Promise(
         FULL_ORDER, "omega_1", ("structure", "omega_1"), "rad/s", OMEGA_1, REFERENCE, set()
     )
@@ -143,6 +160,10 @@ def of_full_order(case: str) -> Iterator[Promise]:
             yield Promise(FULL_ORDER, quantity, at, "m", bound, REFERENCE, {role})
     bound, at = within(*TIP[case]), ("forced", "tip")
     yield Promise(FULL_ORDER, "forced, largest tip", at, "m", bound, REFERENCE, {"forced"})
+    for words, bound in BRANCHES.get(case, {}).items():
+        quantity, at = f"branches, {words}", ("branches", words)
+        unit = "m" if words.endswith("peak") else "1"
+        yield Promise(FULL_ORDER, quantity, at, unit, bound, REFERENCE, {"branches"})
 
 
 def of_method(case: str, method: str, frequency: float) -> Iterator[Promise]:

@@ -28,6 +28,7 @@ from vibrom.artefacts.identity import differences
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config import plugs
 from vibrom.report import curves, robustness
+from vibrom.report.branches import landmark
 from vibrom.report.collection import (
     FULL_ORDER,
     Collection,
@@ -148,8 +149,8 @@ def completed(effects: dict[str, dict]) -> dict[str, dict]:
 
 
 def as_printed(scene: str, collection: Collection) -> set[str]:
-    """Which of the releases `train` and `test` and of the forcings of `forced` and `frc` are the
-    thesis's, not changed by the user's wish; what is missing counts.
+    """Which of the releases `train` and `test` and of the forcings of `forced`, `frc` and
+    `branches` are the thesis's, not changed by the user's wish; what is missing counts.
     """
     recipes = described(collection.find(scene, FULL_ORDER, "release"), "releases")
     same = set()
@@ -158,7 +159,7 @@ def as_printed(scene: str, collection: Collection) -> set[str]:
         recipe = recipes.get(role, state)
         if (recipe["forcing"], recipe["step"]) == (state["forcing"], state["step"]):
             same.add(role)
-    for name in ("forced", "frc"):
+    for name in ("forced", "frc", "branches"):
         own = promises.FORCING[scene]
         if float(scalar(collection.find(scene, FULL_ORDER, name), "forcing", own)) == own:
             same.add(name)
@@ -181,6 +182,8 @@ def measured(
         return offline(scores.seconds(scene, model))
     if place not in {key.name for key in collection.loaders}:
         return None
+    if place == "branches" and model == FULL_ORDER:
+        return landmark(collection, scene, rest[0])
     if model == FULL_ORDER:
         return largest_tip(collection.find(scene, FULL_ORDER, "forced"))
     return scores.spread(scene, model, place, rest[0], worst=place in ERRORS).median
