@@ -19,7 +19,7 @@ from vibrom.solvers.manifold.canonical import symplectic_form, symplectic_push
 from vibrom.solvers.manifold.orbits import Family, Orbits, fitted, follow
 from vibrom.term import Term
 
-HARMONICS = 11
+HARMONICS = 12  # more of them meet higher frequencies of slender beams sooner
 MORE = 4  # degrees than the series have
 INSIDE = 0.5  # of what the model is trusted to
 COUNT = 20  # motions inside; beyond, as close to one another
