@@ -24,6 +24,7 @@ SLOW = (
     "test_thesis_rows.py",
     "workflow/test_bad_input.py",
     "workflow/test_readme.py",
+    "workflow/test_faults.py",
     "workflow/test_resume.py",
     "workflow/test_small_dag.py",
     "workflow/test_tracking.py",

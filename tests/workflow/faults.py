@@ -1,4 +1,4 @@
-"""Faults, one after the other, in a small run: `python tests/workflow/faults.py [rounds] [folder]`.
+"""Faults in a small run, one after the other: `python tests/workflow/faults.py [rounds [targets]]`.
 
 In each round something is spoilt: the run or one of its jobs is killed, the disk is full, artefacts
 are damaged or change places, the clock goes back, two runs start at once. Then the same command
@@ -31,16 +31,20 @@ LIMIT = 1800  # s, of one run
 class Run:
     """A copy of the workflow, and the command in it."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, *targets: str):
         folder.mkdir(parents=True, exist_ok=True)
-        self.folder = copy(folder, "src")
+        self.folder, self.targets = copy(folder, "src"), targets
         self.results = folder / "results"
 
+    @property
+    def command(self) -> list[str]:
+        program = str(Path(sys.executable).with_name("snakemake"))
+        return [program, "--cores", "2", *self.targets, "--configfile", *OVERLAYS]
+
     def start(self, **environment: str) -> subprocess.Popen:
-        line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "2"]
         given = os.environ | {"PYTHONPATH": str(self.folder / "src")} | environment
         return subprocess.Popen(
-            [*line, "--configfile", *OVERLAYS],
+            self.command,
             cwd=self.folder,
             env=given,
             text=True,
@@ -103,11 +107,9 @@ def one_job_killed(run: Run, chance: random.Random) -> None:
 def full_disk(run: Run, chance: random.Random) -> None:
     """No file may grow beyond some kilobytes: writes fail as they do on a full disk."""
     some_results_are_gone(run, chance)
-    line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "2", "--configfile"]
-    words = " ".join([*line, *OVERLAYS])
     blocks = chance.choice([8, 64, 256])  # of 1024 bytes
     subprocess.run(
-        ["sh", "-c", f"ulimit -f {blocks}; trap '' XFSZ; exec {words}"],
+        ["sh", "-c", f"ulimit -f {blocks}; trap '' XFSZ; exec {' '.join(run.command)}"],
         cwd=run.folder,
         env=os.environ | {"PYTHONPATH": str(run.folder / "src")},
         capture_output=True,
@@ -193,9 +195,9 @@ def recovered(run: Run) -> str:
     return printed
 
 
-def rounds(count: int, folder: Path, faults: list[str], seed: int = 0) -> Counter:
+def rounds(count: int, folder: Path, faults: list[str], *targets: str, seed: int = 0) -> Counter:
     """Fault and how the run recovered -> how often; raises where tables differ or it did not."""
-    chance, seen, run = random.Random(seed), Counter(), Run(folder)
+    chance, seen, run = random.Random(seed), Counter(), Run(folder, *targets)
     code, printed = run.finish()
     assert code == 0, printed[-6000:]
     wanted = run.tables()
@@ -213,8 +215,8 @@ def rounds(count: int, folder: Path, faults: list[str], seed: int = 0) -> Counte
 
 
 if __name__ == "__main__":
-    COUNT = int(sys.argv[1]) if len(sys.argv) > 1 else 100
+    COUNT, TARGETS = int([*sys.argv, 100][1]), sys.argv[2:]
     with tempfile.TemporaryDirectory() as SPARE:
-        SEEN = rounds(COUNT, Path(sys.argv[2] if len(sys.argv) > 2 else SPARE), list(FAULTS))
+        SEEN = rounds(COUNT, Path(SPARE) / "run", list(FAULTS), *TARGETS)
     for (FAULT, HOW), TIMES_SEEN in sorted(SEEN.items()):
         print(f"{FAULT}: {TIMES_SEEN} {HOW}")

@@ -12,6 +12,7 @@ import skfem
 from vibrom.artefacts.hardware import check_memory
 from vibrom.bodies.space import Probe, Space, movable
 from vibrom.config.kinds import Cells, Distinct, Edge, Element, Name, Positive
+from vibrom.term import SceneError
 
 # Element and the polynomial degree that its quadrature integrates: 2 x 2, 3 x 3 Gauss points.
 ELEMENTS = {
@@ -19,6 +20,8 @@ ELEMENTS = {
     "quadratic": (skfem.ElementQuad2, 5),
     "serendipity": (skfem.ElementQuadS2, 5),
 }
+
+FLATTEST = 1e7  # long side over short: its stiffness to bend is 1e-14 of that to stretch
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,13 @@ class Rectangle:
     def build(self) -> Space:
         """Meshed, numbered and watched."""
         (columns, rows), (element, order) = self.cells, ELEMENTS[self.element]
+        sides = (self.length / columns, self.height / rows, 4 * abs(self.rise) / columns)
+        if max(sides) > FLATTEST * min(sides[:2]):
+            raise SceneError(
+                f"body: elements of {sides[0]:.3g} x {sides[1]:.3g} m, with a rise of "
+                f"{self.rise:.3g} m, are flatter than 1 to {FLATTEST:.0e} and lost in rounding; "
+                "choose length, height and rise closer to one another"
+            )
         # The matrices of the elements, of which scikit-fem keeps rows, columns and values.
         entries = columns * rows * (2 * element().doflocs.shape[0]) ** 2
         check_memory(3 * 8 * entries, f"a mesh of {columns} x {rows} elements", "lower body.cells")

@@ -11,9 +11,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky_banded
+from scipy.linalg import LinAlgError, cholesky_banded, eig, eigh
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import eigs, eigsh
+from scipy.sparse.linalg import ArpackError, eigs, eigsh
 
 from vibrom.kernels import banded
 from vibrom.solvers.full import static
@@ -21,6 +21,9 @@ from vibrom.term import SceneError, Term
 
 LOOKED_AT = 10  # modes among which flutter is looked for
 REMEMBERED = 8  # bodies
+FEW = 24  # displacements, up to which all modes are found at once
+UNSOLVABLE = "the eigenmodes are beyond rounding"
+BALANCE = "choose sizes and properties of the body that are not as many orders of magnitude apart"
 
 
 class Linearised(NamedTuple):
@@ -56,7 +59,14 @@ def eigenmodes(term: Term, count: int) -> Modes:
             )
     if count < 1:
         raise ValueError(f"count = {count}; needed is at least one mode")
-    return _eigenmodes(_Statics(term), count)
+    try:
+        with np.errstate(all="ignore"):  # what is no number is refused below
+            found = _eigenmodes(_Statics(term), count)
+    except (ArpackError, LinAlgError, RuntimeError) as error:
+        raise SceneError(f"effects: {UNSOLVABLE} ({error}); {BALANCE}") from error
+    if not all(np.isfinite(part).all() for part in found):
+        raise SceneError(f"effects: {UNSOLVABLE} (overflow); {BALANCE}")
+    return found
 
 
 class _Statics:
@@ -124,9 +134,12 @@ def _symmetric(
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Squares of frequencies, modes by columns, and how the body is unstable."""
     n = mass.shape[0]
-    squares, vectors = eigsh(
-        stiffness.tocsc(), k=min(count, n - 1), M=mass.tocsc(), sigma=0.0, v0=_start(n)
-    )
+    if n <= FEW:
+        squares, vectors = eigh(stiffness.toarray(), mass.toarray())
+    else:
+        squares, vectors = eigsh(
+            stiffness.tocsc(), k=min(count, n - 1), M=mass.tocsc(), sigma=0.0, v0=_start(n)
+        )
     # Iteration about zero may miss a negative square that is far away; a factor does not.
     unstable = "" if _positive(stiffness) and squares.min() > 0.0 else "buckles"
     return squares, vectors, unstable
@@ -137,8 +150,11 @@ def _non_symmetric(
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Squares of frequencies, modes by columns, and how the body is unstable."""
     n = mass.shape[0]
-    k = min(max(count, LOOKED_AT), n - 2)
-    squares, vectors = eigs(stiffness.tocsc(), k=k, M=mass.tocsc(), sigma=0.0, v0=_start(n))
+    if n <= FEW:
+        squares, vectors = eig(stiffness.toarray(), mass.toarray())
+    else:
+        k = min(max(count, LOOKED_AT), n - 2)
+        squares, vectors = eigs(stiffness.tocsc(), k=k, M=mass.tocsc(), sigma=0.0, v0=_start(n))
     unstable = ""
     if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
         unstable = "flutters"
