@@ -8,6 +8,7 @@ from msgspec import NODEFAULT, inspect, structs
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config import plugs, source
+from vibrom.report.differences import POINTS
 
 PLUGS = {
     "bodies": "A body is a shape: `body.shape` of a scene names one, the others are its settings.",
@@ -180,6 +181,17 @@ def outcomes_page():
     page("outcomes", "Outcomes", ["How a run, a fit or a question ended.", "\n".join(head + rows)])
 
 
+def thesis_page():
+    """Where the thesis and this project differ: what the report says, without a run's numbers."""
+    parts = [
+        "Each point stands in `results/report.html` too, with its number of the run.",
+        *(f"## {title}\n\n{why}" for title, why, _ in POINTS),
+    ]
+    with mkdocs_gen_files.open("thesis.md", "w") as file:
+        file.write("# The thesis and we\n\n" + "\n\n".join(parts) + "\n")
+
+
+thesis_page()
 page("python", "Python", [f"::: {module}" for module in PYTHON])
 plug_pages()
 configuration_page()
