@@ -112,9 +112,7 @@ def modules_behind(*entries: str) -> frozenset[str]:
         seen.add(module)
         parts = module.split(".")
         todo += [".".join(parts[:length]) for length in range(1, len(parts))]
-        todo += [
-            name for name in imports(module) if name.split(".")[0] == "vibrom" and is_module(name)
-        ]
+        todo += [name for name in imports(module) if name.split(".")[0] == "vibrom"]
     return frozenset(seen)
 
 
