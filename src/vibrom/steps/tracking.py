@@ -11,9 +11,8 @@ from vibrom import tracking
 from vibrom.artefacts.outcome import worst
 from vibrom.report.collection import FULL_ORDER, Collection, answered, outcome
 from vibrom.report.scores import OFFLINE, Score, Scores, offline
-from vibrom.thesis.labels import label
 from vibrom.tracking import Data, TrackedRun
-from vibrom.tracking.decay_model import Parts
+from vibrom.tracking.stored_model import Parts
 
 
 def run(
@@ -67,7 +66,7 @@ def _model(
         fit | _metrics(mine) | {"offline_s": _offline(scores, scene, method, seed)},
         _curves(losses),
         {"artefacts": os.path.relpath(source.parent), **ends, **made_by, **_outcomes(mine)},
-        note=f"{label(method)} in case {scene}: fitted, then evaluated on "
+        note=f"{method} in case {scene}: fitted, then evaluated on "
         f"{', '.join(dict.fromkeys(row.experiment for row in mine))}. Its artefacts lie in "
         f"`{os.path.relpath(source.parent)}`.",
         began=source.stat().st_mtime - sum(fit.values()),

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from vibrom.tracking import decay_model, views
+from vibrom.tracking import stored_model, views
 
 EXPERIMENT = "vibrom"
 NOTE = (
@@ -66,7 +66,7 @@ class TrackedRun:
     began: float = 0.0  # s since 1970; 0: now
     seconds: float = 0.0  # of work
     data: tuple[Data, ...] = ()
-    model: decay_model.Parts | None = None  # of a fitted model
+    model: stored_model.Parts | None = None  # of a fitted model
 
 
 def record(runs: Iterable[TrackedRun], *, store: str | Path, artifacts: str | Path) -> None:
@@ -199,10 +199,10 @@ def _log_model(client, experiment: str, identity: str, run: TrackedRun) -> None:
     made = client.create_logged_model(experiment, named, source_run_id=identity)
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder) / "model"
-        decay_model.save(run.model, home)
+        stored_model.save(run.model, home)
         client.log_model_artifacts(made.model_id, str(home))
     client.finalize_logged_model(made.model_id, "READY")
     client.log_outputs(identity, [LoggedModelOutput(made.model_id, 0)])
-    line = decay_model.LOAD.format(identity=made.model_id)
+    line = stored_model.LOAD.format(identity=made.model_id)
     note = f"{run.note}\n\n{line}".strip()
     client.set_tag(identity, "mlflow.note.content", note)

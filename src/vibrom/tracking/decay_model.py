@@ -9,9 +9,7 @@ since release [s]; bit for bit what the scores of the run are computed from.
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
-from typing import NamedTuple
 
 import pandas as pd
 import xarray as xr
@@ -21,22 +19,7 @@ from vibrom.experiments import Given
 from vibrom.experiments.decay import Decay
 from vibrom.models.reduced import Integrator, Reduced
 from vibrom.models.rom import rom_from_dataset
-
-LOAD = (
-    'Predict a decay with it: `mlflow.set_tracking_uri("sqlite:///results/mlflow.db"); '
-    'mlflow.pyfunc.load_model("models:/{identity}").predict('
-    '"results/<scene>/full_order/test.nc")`'
-)
-NAMES = {"rom": "rom.nc", "structure": "structure.nc", "settings": "settings.json"}
-
-
-class Parts(NamedTuple):
-    """What the model is made of: two artefacts, and the settings of its decay."""
-
-    rom: str
-    structure: str
-    settings: dict  # of the experiment and the integrator, as the artefact of the decay has them
-    samples: int  # of a period of the record
+from vibrom.tracking.stored_model import NAMES
 
 
 class DecayModel:
@@ -63,20 +46,3 @@ class DecayModel:
 def _load_pyfunc(folder: str) -> DecayModel:
     """MLflow calls this."""
     return DecayModel(Path(folder))
-
-
-def save(parts: Parts, home: Path) -> None:
-    """A model's folder, as MLflow has it."""
-    from mlflow import pyfunc
-
-    data = home.parent / "parts"
-    data.mkdir()
-    for name in ("rom", "structure"):
-        shutil.copyfile(getattr(parts, name), data / NAMES[name])
-    settings = parts.settings | {"samples": parts.samples}
-    (data / NAMES["settings"]).write_text(json.dumps(settings, sort_keys=True))
-    # Named here, or MLflow would start a process to find out.
-    needs = ["vibrom"]
-    pyfunc.save_model(
-        str(home), loader_module=__name__, data_path=str(data), pip_requirements=needs
-    )
