@@ -5,6 +5,7 @@
 
 import ast
 import re
+from functools import cache
 from pathlib import Path
 
 import grimp
@@ -24,6 +25,7 @@ PLUGS = {
 }
 
 
+@cache
 def functions():
     """(file:qualified name, lines without the docstring, arguments) of every function."""
     found = []

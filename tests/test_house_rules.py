@@ -57,18 +57,16 @@ def test_a_study_with_its_table_and_figure_is_three_files():
         assert len(names) == most
 
 
-@pytest.mark.parametrize("plug", ["body", "integrator", "output", "experiment"])
-def test_one_more_is_one_file(plug, tmp_path):
+def test_one_more_is_one_file(tmp_path):
     """A copy of a plug under another name is found, and its settings are read."""
-    folder, _ = counts.PLUGS[plug]
     copied = tmp_path / "vibrom"
     shutil.copytree(source.PACKAGE, copied, ignore=shutil.ignore_patterns("__pycache__"))
-    first = next(name for name in plugs.names(folder) if name not in ("space",))
-    shutil.copy(copied / folder / f"{first}.py", copied / folder / "one_more.py")
-    code = (
-        "from vibrom.config import plugs; "
-        f"assert 'one_more' in plugs.names({folder!r}); "
-        f"{folder!r} in plugs.PLUGS and plugs.settings_of({folder!r}, 'one_more')"
-    )
+    code = "from vibrom.config import plugs\n"
+    for plug in ("body", "integrator", "output", "experiment"):
+        folder, _ = counts.PLUGS[plug]
+        first = next(name for name in plugs.names(folder) if name != "space")
+        shutil.copy(copied / folder / f"{first}.py", copied / folder / "one_more.py")
+        code += f"assert 'one_more' in plugs.names({folder!r})\n"
+        code += f"{folder!r} in plugs.PLUGS and plugs.settings_of({folder!r}, 'one_more')\n"
     environment = {"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin"}
     subprocess.run([sys.executable, "-c", code], check=True, env=environment)

@@ -14,6 +14,7 @@ import xarray as xr
 from vibrom.artefacts import identity
 from vibrom.artefacts.data import label, open_dataset, save_dataset, scored, variable
 from vibrom.artefacts.files import DataError
+from vibrom.models.rom import rom_from_dataset
 
 PROVENANCE = {"source_digest": "0123456789abcdef", "versions": '{"numpy": "2.0"}'}
 ASKED = {"recipe": {"epochs": 400, "hidden": [64, 32]}, "name": "folding", "provenance": {}}
@@ -136,3 +137,20 @@ def test_a_file_that_another_program_holds_open_is_read(place):
     code = "from vibrom.artefacts.data import open_dataset; open_dataset({!r}, 'release')"
     with netCDF4.Dataset(place, "a"):
         subprocess.run([sys.executable, "-c", code.format(str(place))], check=True)
+
+
+@pytest.mark.parametrize(
+    "named",
+    [
+        "antigravity:fly",
+        "os:system",
+        "vibrom.methods.split:Split",
+        "vibrom.latent.polynomial_rom:np",
+        "",
+    ],
+)
+def test_the_model_of_a_stranger_runs_no_code_but_that_of_known_classes(named):
+    stranger = xr.Dataset(attrs={"rom": named})
+    with pytest.raises(DataError, match="names no model class of vibrom"):
+        rom_from_dataset(stranger)
+    assert "antigravity" not in sys.modules

@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import psutil
@@ -31,15 +32,16 @@ LIMIT = 1800  # s, of one run
 class Run:
     """A copy of the workflow, and the command in it."""
 
-    def __init__(self, folder: Path, *targets: str):
+    def __init__(self, folder: Path, targets: Sequence[str] = (), overlays: Sequence[str] = ()):
         folder.mkdir(parents=True, exist_ok=True)
-        self.folder, self.targets = copy(folder, "src"), targets
+        self.folder = copy(folder, "src")
+        self.targets, self.overlays = targets, [*OVERLAYS, *overlays]
         self.results = folder / "results"
 
     @property
     def command(self) -> list[str]:
         program = str(Path(sys.executable).with_name("snakemake"))
-        return [program, "--cores", "2", *self.targets, "--configfile", *OVERLAYS]
+        return [program, "--cores", "2", *self.targets, "--configfile", *self.overlays]
 
     def start(self, **environment: str) -> subprocess.Popen:
         given = os.environ | {"PYTHONPATH": str(self.folder / "src")} | environment
@@ -86,7 +88,7 @@ def killed(run: Run, chance: random.Random, number: int) -> None:
     """The run gets a signal at some time."""
     some_results_are_gone(run, chance)
     process = run.start()
-    time.sleep(chance.uniform(1.0, 12.0))
+    time.sleep(chance.uniform(1.0, 8.0))
     process.send_signal(number)
     process.communicate(timeout=LIMIT)
 
@@ -195,9 +197,9 @@ def recovered(run: Run) -> str:
     return printed
 
 
-def rounds(count: int, folder: Path, faults: list[str], *targets: str, seed: int = 0) -> Counter:
+def rounds(count: int, run: Run, faults: list[str], seed: int = 0) -> Counter:
     """Fault and how the run recovered -> how often; raises where tables differ or it did not."""
-    chance, seen, run = random.Random(seed), Counter(), Run(folder, *targets)
+    chance, seen = random.Random(seed), Counter()
     code, printed = run.finish()
     assert code == 0, printed[-6000:]
     wanted = run.tables()
@@ -217,6 +219,6 @@ def rounds(count: int, folder: Path, faults: list[str], *targets: str, seed: int
 if __name__ == "__main__":
     COUNT, TARGETS = int([*sys.argv, 100][1]), sys.argv[2:]
     with tempfile.TemporaryDirectory() as SPARE:
-        SEEN = rounds(COUNT, Path(SPARE) / "run", list(FAULTS), *TARGETS)
+        SEEN = rounds(COUNT, Run(Path(SPARE) / "run", TARGETS), list(FAULTS))
     for (FAULT, HOW), TIMES_SEEN in sorted(SEEN.items()):
         print(f"{FAULT}: {TIMES_SEEN} {HOW}")

@@ -192,7 +192,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     before = path.read_text()
     path.write_text("# A comment.\n" + before)
     assert run.planned() == {}
-    path.write_text(before.replace("order_dynamics: Count = 3", "order_dynamics: Count = 5"))
+    path.write_text(before.replace("order_dynamics: Order = 3", "order_dynamics: Order = 5"))
     jobs = run.planned()
     path.write_text(before)
     # Its variant is fitted by the same code.
