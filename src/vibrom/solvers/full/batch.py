@@ -118,7 +118,11 @@ class Batch:
     def _acceleration(self) -> np.ndarray:
         """Solves  M a = p u + p_0 - C v - K q - sum f(q, v)."""
         signal, load, dead_load = self.loads
-        r = load[:, None] * signal[0] + dead_load[:, None] - self.internal(self.term, self.q, self.v)
+        r = (
+            load[:, None] * signal[0]
+            + dead_load[:, None]
+            - self.internal(self.term, self.q, self.v)
+        )
         if self.term.damping is not None:
             r -= self.term.damping @ self.v
         mass, half = self.term.mass, banded.half_bandwidth(self.term.mass)
@@ -144,9 +148,7 @@ def mass_damping(term: Term) -> float:
     return float(rate) if (apart <= 1e-13 * abs(term.damping).max()).all() else 0.0
 
 
-def linear_tangent(
-    batch: Batch, half: int, whole: bool = False
-) -> tuple[np.ndarray, np.ndarray]:
+def linear_tangent(batch: Batch, half: int, whole: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Bands (k, n, half + 1), or whole ones, of M, C and K, those that are there, and what
     multiplies them in M + gamma h C + beta h^2 K for each state (k, width).
     """

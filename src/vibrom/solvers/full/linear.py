@@ -5,8 +5,9 @@ motion is
 
     (M + gamma h C + beta h^2 K) q = beta h^2 (p u + p_0) + M q~ + C (gamma h q~ - beta h^2 v~),
 
-where K appears on the left only; other schemes have other factors than gamma h and beta h^2. Rounding: the sum on the left is known to eps, as K is, which
-moves the first frequency by (omega_n / omega_1)^2 eps, 1e-8 for a beam of 40 x 2 bilinear elements.
+where K appears on the left only; other schemes have other factors than gamma h and beta h^2.
+Rounding: the sum on the left is known to eps, as K is, which moves the first frequency by
+(omega_n / omega_1)^2 eps, 1e-8 for a beam of 40 x 2 bilinear elements.
 Source: Bathe, Finite Element Procedures, 9.2.4.
 """
 

@@ -16,13 +16,13 @@ from importlib import import_module
 import numpy as np
 
 from vibrom.kernels import banded
+from vibrom.solvers.full import schemes
 from vibrom.solvers.full.banded_steps import BandedSteps
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.linear import LinearSteps
 from vibrom.solvers.full.march import integrate
 from vibrom.solvers.full.motion import Motion, Record
 from vibrom.solvers.full.newton import Limits
-from vibrom.solvers.full import schemes
 from vibrom.solvers.full.scheme import Scheme
 from vibrom.solvers.full.shapes import shaped
 from vibrom.solvers.full.sparse import SparseSteps
