@@ -25,7 +25,13 @@ from scipy.sparse import csr_matrix
 from vibrom.bodies.space import Space
 from vibrom.kernels.elements import complete, complete_whole, gather, scatter, scatter_tangent
 from vibrom.kernels.lanes import WIDTH, entry, fill, get, put, stack
-from vibrom.kernels.saint_venant_kirchhoff import add_force, add_mean_tangent, add_tangent
+from vibrom.kernels.saint_venant_kirchhoff import (
+    add_force,
+    add_mean_tangent,
+    add_tangent,
+    gradient,
+    quadratic_strains,
+)
 from vibrom.term import Force, Quartic, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
@@ -127,7 +133,11 @@ def _force(shapes: int, points: int, mean: int, states: int):
             for a in range(rows):
                 put(g, a, fill(0.0, width))
             for point in range(points):
-                add_force(u, half, g, table, point * stride, e, free, mean, states, width)
+                at, nothing = point * stride, fill(-0.0, width)  # zero would change the sign of -0
+                more = nothing, nothing, nothing
+                if mean == 1:
+                    more = quadratic_strains(gradient(half, table, at, e, free, states, width))
+                add_force(u, more, g, table, at, e, states, width)
             for a in range(2 * free):
                 put(g, 2 * free + a % 2, get(g, 2 * free + a % 2, width) - get(g, a, width))
             scatter(g, dofs, e, f, states, width)
@@ -173,7 +183,7 @@ def _mean_tangent(shapes: int, points: int, states: int):
                     number = points * stride + high * (high + 1) // 2 + low
                     put(ke, row * rows + column, 0.0 - entry(table, number, e, states))
             for point in range(points):
-                add_mean_tangent(u, half, ke, table, point * stride, e, free, states, width)
+                add_mean_tangent(u, half, ke, table, point * stride, e, states, width)
             complete_whole(ke, free, width)
             scatter_tangent(ke, slots, e, scale_q, values, states, width)
 

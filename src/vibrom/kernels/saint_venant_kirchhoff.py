@@ -38,15 +38,16 @@ def quadratic_strains(h):
 
 
 @inlined
-def add_force(u, half, g, table, at, e, free, mean, states, width):
-    """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last."""
+def add_force(u, more, g, table, at, e, states, width):
+    """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last; `more`
+    are strains beside those of u.
+    """
+    free = u.shape[0] // 2 - 1
     d11, d12, d33 = moduli(table, at, e, states)
     h0, h1, h2, h3 = h = gradient(u, table, at, e, free, states, width)
     # Quadratic strains e, their stresses r, and all stresses s.
-    e11, e22, e12 = quadratic_strains(h)
-    if mean == 1:
-        more = quadratic_strains(gradient(half, table, at, e, free, states, width))
-        e11, e22, e12 = e11 + more[0], e22 + more[1], e12 + more[2]
+    one = quadratic_strains(h)
+    e11, e22, e12 = one[0] + more[0], one[1] + more[1], one[2] + more[2]
     r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
     s11, s22 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3
     s12 = r12 + d33 * (h1 + h2)
@@ -119,10 +120,11 @@ def block(d, row, column, s):
 
 
 @inlined
-def add_mean_tangent(u, half, ke, table, at, e, free, states, width):
+def add_mean_tangent(u, half, ke, table, at, e, states, width):
     """Adds a point's share of the mean force's derivative to ke, for all nodes but the last: the
     whole matrix, row by row.
     """
+    free = u.shape[0] // 2 - 1
     h = gradient(u, table, at, e, free, states, width)
     k = gradient(half, table, at, e, free, states, width)
     d = moduli(table, at, e, states)

@@ -59,7 +59,7 @@ class FullOrder:
         return cls(
             term=effects.assemble(body, scene["effects"]),
             probes=known["probe_dof"].values,
-            newmark=Newmark(time.alpha, time.residual, time.iterations, scheme=time.scheme),
+            newmark=Newmark(time.alpha, time.scheme, time.residual, time.iterations),
             steps_per_period=time.steps_per_period,
             initial_acceleration=time.initial_acceleration,
             frequency=damped_frequency(known),

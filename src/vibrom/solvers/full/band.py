@@ -9,8 +9,8 @@ from vibrom.kernels.compiled import Blocks, Places, Rows, part
 from vibrom.kernels.lanes import fill, get, put, sqrt
 from vibrom.solvers.full.batch import Loads, Steps
 from vibrom.solvers.full.newton import Limits
-from vibrom.solvers.full.scheme import ended, extrapolated, predicted, within
-from vibrom.solvers.full.store import State
+from vibrom.solvers.full.scheme import extrapolated, predicted, within
+from vibrom.solvers.full.store import State, copy, finish_step
 
 
 class System(NamedTuple):
@@ -72,16 +72,14 @@ def predict(body, state, step, width):
     steps, work, past = body.system.steps, body.work, body.work.past
     inside = within(steps.scheme)
     last = work.last if inside else state.a
+    if inside:
+        copy(state, work.start, width)
     mass_damping, scheme = body.system.mass_damping, body.system.steps.scheme
     h, by_q, by_v = get(steps.h, 0, width), get(steps.by_q, 0, width), get(steps.by_v, 0, width)
     one, two, three = past[(step + 2) % 4], past[(step + 1) % 4], past[step % 4]
     four = past[(step + 3) % 4]  # whose place the last acceleration takes
     for i in range(state.q.shape[0]):
         q, v, a = get(state.q, i, width), get(state.v, i, width), get(state.a, i, width)
-        if inside:
-            put(work.start.q, i, q)
-            put(work.start.v, i, v)
-            put(work.start.a, i, a)
         q, v = predicted(scheme, h, q, v, a)
         put(work.plain_q, i, q)
         put(work.plain_v, i, v)
@@ -222,13 +220,9 @@ def finish(body, state, width):
     """The step's end."""
     scheme, work = body.system.steps.scheme, body.work
     if within(scheme):
-        for i in range(state.q.shape[0]):
-            a = get(state.a, i, width)
-            put(work.last, i, a)
-            put(state.a, i, ended(scheme.alpha_m, get(work.start.a, i, width), a))
-            q, v = get(state.q, i, width), get(state.v, i, width)
-            put(state.q, i, ended(scheme.alpha_f, get(work.start.q, i, width), q))
-            put(state.v, i, ended(scheme.alpha_f, get(work.start.v, i, width), v))
+        for i in range(state.a.shape[0]):
+            put(work.last, i, get(state.a, i, width))
+        finish_step(scheme, work.start, state, width)
 
 
 @part

@@ -25,8 +25,8 @@ from vibrom.kernels.compiled import Blocks, Numbers, Rows, kernel, machine_type,
 from vibrom.kernels.lanes import get, put, room
 from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
 from vibrom.solvers.full.newton import Limits
-from vibrom.solvers.full.scheme import ended, predicted, within
-from vibrom.solvers.full.store import Span, State, Store, chunk, keep
+from vibrom.solvers.full.scheme import predicted, within
+from vibrom.solvers.full.store import Span, State, Store, chunk, copy, finish_step, keep
 
 
 class System(NamedTuple):
@@ -52,13 +52,11 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
     mass, damping, damped = system.mass, system.damping, system.damping.values.size > 0
     loads, inverse, scheme, start = system.loads, 1.0 / by_q, steps.scheme, system.start
     inside = within(scheme)
+    if inside:
+        copy(state, start, width)
     u = by_q * get(loads.signal, step, width)
     for i in range(r.shape[0]):
         q, v, a = get(state.q, i, width), get(state.v, i, width), get(state.a, i, width)
-        if inside:
-            put(start.q, i, q)
-            put(start.v, i, v)
-            put(start.a, i, a)
         q, v = predicted(scheme, h, q, v, a)
         drag = by_v * q - by_q * v
         put(state.q, i, q)
@@ -74,14 +72,11 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
     for i in range(r.shape[0]):
         q = get(r, i, width)
         a = inverse * (q - get(state.q, i, width))
-        v = get(state.v, i, width) + by_v * a
-        if inside:
-            q = ended(scheme.alpha_f, get(start.q, i, width), q)
-            v = ended(scheme.alpha_f, get(start.v, i, width), v)
-            a = ended(scheme.alpha_m, get(start.a, i, width), a)
         put(state.q, i, q)
-        put(state.v, i, v)
+        put(state.v, i, get(state.v, i, width) + by_v * a)
         put(state.a, i, a)
+    if inside:
+        finish_step(scheme, start, state, width)
     for w in range(width):
         if failed[w] < 0 and not np.isfinite(state.q[0, w]):
             failed[w] = step
