@@ -8,7 +8,7 @@ what acts on the undeformed body at all times is the dead load p_0.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numba import types
@@ -61,6 +61,17 @@ class Force:
     # gives the potentials that the force derives from, none of a force that is linear; None where
     # it is no cubic polynomial of the displacements
     quartic: Callable[[], tuple[Quartic, ...]] | None = None
+    # width -> (force, tangent) of the mean force over a step, which does the work of its potential:
+    # q is then (2n, width), the middle and, below it, half the way from start to end; the tangent
+    # is d/dmiddle + d/dhalf, at a fixed start, and adds whole matrices. None: the force at the
+    # middle is taken
+    mean: Callable[[int], tuple[Callable, Callable]] | None = None
+
+    def over_a_step(self) -> Force:
+        """The mean force."""
+        if self.mean is None:
+            return self
+        return replace(self, kernels=self.mean, symmetric=False)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ without a word here.
 
 import dataclasses
 import importlib
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args, get_type_hints
 
@@ -14,6 +15,7 @@ from scenes import body
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.kernels import banded
+from vibrom.models.energy import work
 from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import Term
 
@@ -149,3 +151,55 @@ def test_states_side_by_side_are_each_as_alone(name, made):
             one.kernels(1)[1](*at, one.dofs, one.table, slots, *scales, single)
             size = np.abs(single).max(initial=0.0)
             assert np.abs(band[:, state] - single[:, 0]).max() <= 1e-13 * size
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_mean_force_does_the_work_of_its_potential(name, made):
+    """From q - d to q + d, against an integral of the force along the path; and its tangent is the
+    derivative by the end of a step whose start stays. The same side by side as alone.
+    """
+    term = effects.assemble(made, listed(name))
+    n, step, rng = made.size, 1e-3, np.random.default_rng(8)
+    for one in term.forces:
+        if one.mean is None:
+            continue
+        mean, bare = one.over_a_step(), Term(forces=(one,), load=np.zeros(n))
+        wide = np.concatenate(
+            [
+                part * np.geomspace(0.01, 1.0, STATES)
+                for part in (rng.standard_normal((n, STATES)),) * 2
+            ]
+        )
+        wide[n:] = 0.3 * rng.standard_normal((n, STATES)) * np.abs(wide[:n]).max(axis=0)
+        still, together = np.zeros((n, STATES)), np.zeros((n, STATES))
+        mean.kernels(STATES)[0](wide, still, one.dofs, one.table, together)
+        for state in range(0, STATES, 5):
+            path, rest = alone(wide, state), np.zeros((n, 1))
+            single = mean_force(mean, path, rest)
+            size = np.abs(single).max()
+            assert np.abs(together[:, state] - single[:, 0]).max() <= 1e-13 * size
+            middle, half = path[:n], path[n:]
+            done = float(np.sum(2 * half * single))
+            expected = work(bare, 2 * half, middle - half)[0]
+            assert done == pytest.approx(expected, rel=1e-7, abs=1e-9 * size)
+            at_rest = np.concatenate([middle, 0 * half])
+            np.testing.assert_allclose(
+                mean_force(mean, at_rest, rest),
+                force(bare, middle, rest),
+                rtol=1e-12,
+                atol=1e-12 * size,
+            )
+            tangent = Tangent(replace(bare, forces=(mean,)), 0.0, 0.0, 1.0).at(path, rest)
+            along = rng.standard_normal((n, 1))
+            ends = [
+                mean_force(mean, path + times * step * np.tile(along, (2, 1)), rest)
+                for times in (-2, -1, 1, 2)
+            ]
+            slope = (8 * (ends[2] - ends[1]) - (ends[3] - ends[0])) / (12 * step)
+            np.testing.assert_allclose(tangent @ along, slope, atol=1e-9 * np.abs(slope).max())
+
+
+def mean_force(mean, path: np.ndarray, v: np.ndarray) -> np.ndarray:
+    f = np.zeros_like(v)
+    mean.kernels(1)[0](path, v, mean.dofs, mean.table, f)
+    return f

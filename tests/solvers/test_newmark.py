@@ -17,7 +17,8 @@ from vibrom.bodies import space
 from vibrom.kernels.lanes import get, put
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
-from vibrom.solvers.full.scheme import Scheme, extrapolated, predicted, weights
+from vibrom.solvers.full.scheme import extrapolated, predicted, weights
+from vibrom.solvers.full.schemes import newmark
 from vibrom.solvers.full.static import equilibrium
 from vibrom.term import SceneError
 
@@ -55,7 +56,7 @@ def test_linear_decay_is_that_of_the_damped_mode():
     assert np.abs(modal - exact).max() <= 0.01 * 1.05 * (omega * step) ** 2 / 12 * damped * t[-1]
 
 
-SCHEME = Scheme.of(0.01)
+SCHEME = newmark.scheme(0.01)
 
 
 @njit
@@ -465,7 +466,7 @@ def test_progress_and_chunks_add_up(cantilever):
     record = Record(every=3, start=1, probes=np.array([7]), probe_start=2)
     whole = Newmark().run(term, start, step, 50, record=record, progress=seen.append)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("vibrom.solvers.full.band.chunk", lambda n, width: 4)
+        patch.setattr("vibrom.solvers.full.banded_steps.chunk", lambda n, width: 4)
         parts = Newmark().run(term, start, step, 50, record=record, progress=seen.append)
     assert sum(seen) == 2 * 150 and len(seen) == 1 + 13
     for name in ("kept", "displacement", "velocity", "acceleration", "probes"):

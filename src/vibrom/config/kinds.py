@@ -50,6 +50,7 @@ FORMS = {
 }
 # A file of this folder of vibrom.
 Stepper = Annotated[str, Meta(extra={"plugs": "solvers/reduced/steppers"})]
+TimeScheme = Annotated[str, Meta(extra={"plugs": "solvers/full/schemes"})]
 Name = Annotated[str, Meta(pattern=NAME, max_length=60)]  # of a scene, probe, method or guard
 Device = Annotated[str, Meta(pattern=DEVICE)]
 Folder = Annotated[str, Meta(pattern=FOLDER)]

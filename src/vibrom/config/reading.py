@@ -13,6 +13,7 @@ from vibrom.config.scene import SHAPE, Block, Scene
 from vibrom.config.sweeps import check_sweeps
 
 MOST_STEPS = 10_000_000  # of one run of the full order
+SCHEMES = "solvers/full/schemes"
 
 
 def block(layers: Layers, path: tuple, kind: type[Block], without: str = "") -> dict[str, Any]:
@@ -110,6 +111,9 @@ def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
         if (steps := periods * time["steps_per_period"]) > MOST_STEPS:
             cure = f"makes {steps:.3g} time steps; lower it, or time.steps_per_period"
             layers.refuse(path, periods, f"{cure} ({MOST_STEPS:.0e} at most)")
+    if time["alpha"] and not plugs.constants(SCHEMES, time["scheme"]).get("DAMPED", True):
+        cure = f"is damped, and time.scheme = {time['scheme']!r} has no damping; set it to zero"
+        layers.refuse(("time", "alpha"), time["alpha"], cure)
 
 
 def method(sources: Sources, folder: Path, name: str) -> MethodFile:

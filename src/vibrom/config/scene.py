@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps
+from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps, TimeScheme
 
 Role = Literal["train", "test"]
 # Effects add up in this order, whatever the order of their keys, those of one stage by their names:
@@ -63,6 +63,8 @@ class Time(Block, frozen=True):
     # relative residual of a converged step; rounding in stiff bodies allows no less than about 1e-9
     residual: Annotated[float, Meta(ge=1e-8, le=0.1)]
     initial_acceleration: Literal["zero", "equilibrium"]
+    scheme: TimeScheme = "newmark"
+    iterations: Count = 25  # of Newton, a step, at most
 
 
 class Scene(Block, frozen=True):

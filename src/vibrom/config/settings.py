@@ -78,9 +78,10 @@ class Settings:
         return [name for name in self.experiments if name in self.scenes[scene].experiments]
 
     def modules_of(self, scene: str) -> list[str]:
-        """The modules of a scene's body and effects, below vibrom."""
+        """The modules of a scene's body, effects and time integration, below vibrom."""
         made = self.scenes[scene]
-        return [f"bodies.{made.body['shape']}", *(f"effects.{name}" for name in made.effects)]
+        own = f"bodies.{made.body['shape']}", f"solvers.full.schemes.{made.time.scheme}"
+        return [*own, *(f"effects.{name}" for name in made.effects)]
 
 
 def load(

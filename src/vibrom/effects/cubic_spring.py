@@ -35,6 +35,7 @@ class CubicSpring:
             np.array([[dof]]),
             np.array([[float(self.cubic)]]),
             quartic=lambda: (_potential(space.size, dof, self.cubic),),
+            mean=lambda width: (_mean_force, _mean_tangent),
         )
         return Term(stiffness=stiffness, forces=(spring,) if self.cubic else ())
 
@@ -58,3 +59,23 @@ def _tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
     for e in range(dofs.shape[0]):
         for w in range(q.shape[1]):
             values[slots[e, 0], w] += scale_q[w] * 3.0 * table[e, 0] * q[dofs[e, 0], w] ** 2
+
+
+# (U(m + d) - U(m - d))/2d = k_3 m (m^2 + d^2) at the middle m of a step, d half of the way.
+
+
+@force_kernel
+def _mean_force(q, v, dofs, table, f):
+    for e in range(dofs.shape[0]):
+        for w in range(q.shape[1]):
+            middle, half = q[dofs[e, 0], w], q[v.shape[0] + dofs[e, 0], w]
+            f[dofs[e, 0], w] += table[e, 0] * middle * (middle**2 + half**2)
+
+
+@tangent_kernel
+def _mean_tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
+    for e in range(dofs.shape[0]):
+        for w in range(q.shape[1]):
+            middle, half = q[dofs[e, 0], w], q[v.shape[0] + dofs[e, 0], w]
+            slope = 3.0 * middle**2 + half**2 + 2.0 * middle * half
+            values[slots[e, 0], w] += scale_q[w] * table[e, 0] * slope

@@ -8,6 +8,12 @@
 Source: Belytschko, Liu, Moran, Nonlinear Finite Elements for Continua and Structures, chapter 4.
 The linear part is taken out inside the integrand, so that small motions lose no digits. Kernels are
 compiled for a number of shape functions, quadrature points and states side by side.
+
+The mean force over a step has F at its middle and the stress of the mean strain of both ends, which
+is that of the middle and the quadratic part of the strain that half the way would make alone. As
+the energy is quadratic in the strain, it does the work of the energy; as the stress is symmetric,
+it has no moment (Simo and Tarnow, ZAMP 43 (1992) 757). Its derivative by the end of the step, at a
+fixed start, has F at the middle on one side and at the end on the other.
 """
 
 from dataclasses import dataclass
@@ -17,7 +23,15 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from vibrom.bodies.space import Space
-from vibrom.kernels.lanes import WIDTH, entry, fill, get, inlined, put, stack
+from vibrom.kernels.elements import complete, complete_whole, gather, scatter, scatter_tangent
+from vibrom.kernels.lanes import WIDTH, entry, fill, get, put, stack
+from vibrom.kernels.saint_venant_kirchhoff import (
+    add_force,
+    add_mean_tangent,
+    add_tangent,
+    gradient,
+    quadratic_strains,
+)
 from vibrom.term import Force, Quartic, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
@@ -52,6 +66,7 @@ class GeometricNonlinearity:
                     dofs,
                     np.ascontiguousarray(np.pad(table, ((0, missing), (0, 0))).T),
                     quartic=lambda: (_potential(space, elastic, gradients),),
+                    mean=partial(_mean_kernels, shapes, points),
                 ),
             )
         )
@@ -96,185 +111,38 @@ def _potential(space: Space, elastic: np.ndarray, gradients: np.ndarray) -> Quar
 
 @cache
 def _kernels(shapes: int, points: int, states: int):
-    return _force(shapes, points, states), _tangent(shapes, points, states)
+    return _force(shapes, points, 0, states), _tangent(shapes, points, states)
 
 
-# Lanes are states. For one state alone they are WIDTH elements, e, e + 1, ..., whose displacements
-# are gathered, and whose forces are added, one element after the other.
+@cache
+def _mean_kernels(shapes: int, points: int, states: int):
+    return _force(shapes, points, 1, states), _mean_tangent(shapes, points, states)
 
 
-@inlined
-def gather(q, dofs, e, u, states, width):
-    """Displacements u (2 shapes, width) of an element's nodes relative to its last node, which is
-    itself left as it is.
-    """
-    last = u.shape[0] - 2
-    for a in range(u.shape[0]):
-        if states == 1:
-            for lane in range(width):
-                dof = dofs[e + lane, a]
-                u[a, lane] = q[dof, 0] if dof >= 0 else 0.0
-        else:
-            dof = dofs[e, a]
-            put(u, a, get(q, dof, width) if dof >= 0 else fill(0.0, width))
-    for a in range(last):
-        put(u, a, get(u, a, width) - get(u, last + a % 2, width))
-
-
-@inlined
-def gradient(u, table, at, e, free, states, width):
-    """H_11, H_12, H_21, H_22 at the point whose rows of the table begin at `at`."""
-    h0 = h1 = h2 = h3 = fill(0.0, width)
-    for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        ux, uy = get(u, 2 * a, width), get(u, 2 * a + 1, width)
-        h0 += n0 * ux
-        h1 += n1 * ux
-        h2 += n0 * uy
-        h3 += n1 * uy
-    return h0, h1, h2, h3
-
-
-@inlined
-def moduli(table, at, e, states):
-    """D_11, D_12, D_33 times thickness and weight of the point."""
-    d11, d12 = entry(table, at, e, states), entry(table, at + 1, e, states)
-    return d11, d12, entry(table, at + 2, e, states)
-
-
-@inlined
-def add_force(u, g, table, at, e, free, states, width):
-    """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last."""
-    d11, d12, d33 = moduli(table, at, e, states)
-    h0, h1, h2, h3 = gradient(u, table, at, e, free, states, width)
-    # Quadratic strains e, their stresses r, and all stresses s.
-    e11, e22 = 0.5 * (h0 * h0 + h2 * h2), 0.5 * (h1 * h1 + h3 * h3)
-    e12 = h0 * h1 + h2 * h3
-    r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
-    s11, s22 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3
-    s12 = r12 + d33 * (h1 + h2)
-    p0, p1 = h0 * s11 + h1 * s12 + r11, h0 * s12 + h1 * s22 + r12
-    p2, p3 = h2 * s11 + h3 * s12 + r12, h2 * s12 + h3 * s22 + r22
-    for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        put(g, 2 * a, get(g, 2 * a, width) + n0 * p0 + n1 * p1)
-        put(g, 2 * a + 1, get(g, 2 * a + 1, width) + n0 * p2 + n1 * p3)
-
-
-@inlined
-def scatter(g, dofs, e, f, states, width):
-    """Adds the forces g of an element, or of WIDTH elements, to f."""
-    for a in range(g.shape[0]):
-        if states == 1:
-            for lane in range(width):
-                dof = dofs[e + lane, a]
-                if dof >= 0:
-                    f[dof, 0] += g[a, lane]
-        else:
-            dof = dofs[e, a]
-            if dof >= 0:
-                put(f, dof, get(f, dof, width) + get(g, a, width))
-
-
-def _force(shapes: int, points: int, states: int):
+def _force(shapes: int, points: int, mean: int, states: int):
     width, together = (WIDTH, WIDTH) if states == 1 else (states, 1)
     free, rows, stride = shapes - 1, 2 * shapes, 2 * shapes + 1
 
     @force_kernel
     def force(q, v, dofs, table, f):
-        u, g = stack(rows, width), stack(rows, width)
+        u, half, g = stack(rows, width), stack(rows, width), stack(rows, width)
         for e in range(0, dofs.shape[0], together):
-            gather(q, dofs, e, u, states, width)
+            gather(q, 0, dofs, e, u, states, width)
+            if mean == 1:
+                gather(q, v.shape[0], dofs, e, half, states, width)
             for a in range(rows):
                 put(g, a, fill(0.0, width))
             for point in range(points):
-                add_force(u, g, table, point * stride, e, free, states, width)
+                at, nothing = point * stride, fill(-0.0, width)  # zero would change the sign of -0
+                more = nothing, nothing, nothing
+                if mean == 1:
+                    more = quadratic_strains(gradient(half, table, at, e, free, states, width))
+                add_force(u, more, g, table, at, e, states, width)
             for a in range(2 * free):
                 put(g, 2 * free + a % 2, get(g, 2 * free + a % 2, width) - get(g, a, width))
             scatter(g, dofs, e, f, states, width)
 
     return force
-
-
-@inlined
-def elasticity(table, at, e, h0, h1, h2, h3, states):
-    """A_iJ,jL of a point by rows of i and columns of j: xx (symmetric), yy (symmetric), xy."""
-    d11, d12, d33 = moduli(table, at, e, states)
-    e11, e22 = h0 + 0.5 * (h0 * h0 + h2 * h2), h3 + 0.5 * (h1 * h1 + h3 * h3)
-    s11, s22 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22
-    s12 = d33 * (h1 + h2 + h0 * h1 + h2 * h3)
-    f0, f3 = 1.0 + h0, 1.0 + h3
-    xx00 = d11 * (f0 * f0) + d33 * (h1 * h1) + s11
-    xx01 = (d12 + d33) * (f0 * h1) + s12
-    xx11 = d11 * (h1 * h1) + d33 * (f0 * f0) + s22
-    yy00 = d11 * (h2 * h2) + d33 * (f3 * f3) + s11
-    yy01 = (d12 + d33) * (h2 * f3) + s12
-    yy11 = d11 * (f3 * f3) + d33 * (h2 * h2) + s22
-    f02, f13, f03, f12 = f0 * h2, h1 * f3, f0 * f3, h1 * h2
-    xy00, xy01 = d11 * f02 + d33 * f13, d12 * f03 + d33 * f12
-    xy10, xy11 = d12 * f12 + d33 * f03, d11 * f13 + d33 * f02
-    return (xx00, xx01, xx11), (yy00, yy01, yy11), (xy00, xy01, xy10, xy11)
-
-
-@inlined
-def add_tangent(u, ke, table, at, e, free, states, width):
-    """Adds a point's share of dN_a/dX_J A_iJ,jL dN_b/dX_L to ke, for all nodes but the last: lower
-    triangle, row by row.
-    """
-    h0, h1, h2, h3 = gradient(u, table, at, e, free, states, width)
-    xx, yy, xy = elasticity(table, at, e, h0, h1, h2, h3, states)
-    for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        txx0, txx1 = n0 * xx[0] + n1 * xx[1], n0 * xx[1] + n1 * xx[2]
-        txy0, txy1 = n0 * xy[0] + n1 * xy[2], n0 * xy[1] + n1 * xy[3]
-        tyx0, tyx1 = n0 * xy[0] + n1 * xy[1], n0 * xy[2] + n1 * xy[3]
-        tyy0, tyy1 = n0 * yy[0] + n1 * yy[1], n0 * yy[1] + n1 * yy[2]
-        x_row, y_row = a * (2 * a + 1), (a + 1) * (2 * a + 1)
-        for b in range(a + 1):
-            m0 = entry(table, at + 3 + 2 * b, e, states)
-            m1 = entry(table, at + 4 + 2 * b, e, states)
-            x, y = x_row + 2 * b, y_row + 2 * b
-            put(ke, x, get(ke, x, width) + m0 * txx0 + m1 * txx1)
-            put(ke, y, get(ke, y, width) + m0 * tyx0 + m1 * tyx1)
-            put(ke, y + 1, get(ke, y + 1, width) + m0 * tyy0 + m1 * tyy1)
-            if b < a:
-                put(ke, x + 1, get(ke, x + 1, width) + m0 * txy0 + m1 * txy1)
-
-
-@inlined
-def complete(ke, free, width):
-    """The rows of the last node: what they lack for rigid translations to make no force."""
-    first = free * (2 * free + 1)  # entry of the last node's first row
-    for row in range(2 * free):
-        for column in range(2 * free):
-            at = first + column if row % 2 == 0 else first + 2 * free + 1 + column
-            high, low = max(row, column), min(row, column)
-            put(ke, at, get(ke, at, width) - get(ke, high * (high + 1) // 2 + low, width))
-    for i in range(2):
-        row = first + i * (2 * free + 1)
-        for column in range(2 * free):
-            if column % 2 <= i:
-                at = row + 2 * free + column % 2
-                put(ke, at, get(ke, at, width) - get(ke, row + column, width))
-
-
-@inlined
-def scatter_tangent(ke, slots, e, scale_q, values, states, width):
-    """Adds scale_q times the matrix of an element, or of WIDTH elements, to values."""
-    for number in range(ke.shape[0]):
-        if states == 1:
-            for lane in range(width):
-                slot = slots[e + lane, number]
-                if slot >= 0:
-                    values[slot, 0] += scale_q[0] * ke[number, lane]
-        else:
-            slot = slots[e, number]
-            if slot >= 0:
-                change = get(scale_q, 0, width) * get(ke, number, width)
-                put(values, slot, get(values, slot, width) + change)
 
 
 def _tangent(shapes: int, points: int, states: int):
@@ -286,7 +154,7 @@ def _tangent(shapes: int, points: int, states: int):
     def tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
         u, ke = stack(rows, width), stack(entries, width)
         for e in range(0, dofs.shape[0], together):
-            gather(q, dofs, e, u, states, width)
+            gather(q, 0, dofs, e, u, states, width)
             for number in range(of_free):  # less the linear part
                 put(ke, number, 0.0 - entry(table, points * stride + number, e, states))
             for number in range(of_free, entries):
@@ -297,3 +165,26 @@ def _tangent(shapes: int, points: int, states: int):
             scatter_tangent(ke, slots, e, scale_q, values, states, width)
 
     return tangent
+
+
+def _mean_tangent(shapes: int, points: int, states: int):
+    width, together = (WIDTH, WIDTH) if states == 1 else (states, 1)
+    free, rows, stride, entries = shapes - 1, 2 * shapes, 2 * shapes + 1, 4 * shapes * shapes
+
+    @tangent_kernel
+    def mean_tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
+        u, half, ke = stack(rows, width), stack(rows, width), stack(entries, width)
+        for e in range(0, dofs.shape[0], together):
+            gather(q, 0, dofs, e, u, states, width)
+            gather(q, v.shape[0], dofs, e, half, states, width)
+            for row in range(2 * free):  # less the linear part
+                for column in range(2 * free):
+                    high, low = max(row, column), min(row, column)
+                    number = points * stride + high * (high + 1) // 2 + low
+                    put(ke, row * rows + column, 0.0 - entry(table, number, e, states))
+            for point in range(points):
+                add_mean_tangent(u, half, ke, table, point * stride, e, states, width)
+            complete_whole(ke, free, width)
+            scatter_tangent(ke, slots, e, scale_q, values, states, width)
+
+    return mean_tangent

@@ -18,6 +18,7 @@ import numpy as np
 
 from vibrom.bodies.space import Space
 from vibrom.config.kinds import Direction, NonNegative, Point, Positive
+from vibrom.kernels.compiled import part
 from vibrom.term import Force, Term, force_kernel, tangent_kernel
 
 STAGE = "forces"
@@ -37,7 +38,13 @@ class Stop:
     def assemble(self, space: Space, base: Term) -> Term:
         dof = space.dof("effects.stop", self.at, self.direction)
         table = np.array([[SIDES[self.side], self.gap, self.stiffness, self.damping]])
-        return Term(forces=(Force(lambda width: (_force, _tangent), np.array([[dof]]), table),))
+        stop = Force(
+            lambda width: (_force, _tangent),
+            np.array([[dof]]),
+            table,
+            mean=lambda width: (_mean_force, _mean_tangent),
+        )
+        return Term(forces=(stop,))
 
 
 @force_kernel
@@ -71,4 +78,45 @@ def _tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
             if depth > 0.0 and bracket > 0.0:
                 values[slots[e, 0], w] += stiffness * (
                     scale_q[w] * bracket + scale_v[w] * depth * damping
+                )
+
+
+@part
+def mean_depth(before, after):
+    """(p(after) - p(before))/(after - before) with p = d^2/2 where d > 0, and its derivative by
+    `after`, at a fixed start.
+    """
+    if before > 0.0 and after > 0.0:
+        return 0.5 * (before + after), 0.5
+    if after > 0.0:  # it comes
+        share = after / (after - before)
+        return 0.5 * after * share, share * (1.0 - 0.5 * share)
+    if before > 0.0:  # it leaves
+        share = before / (before - after)
+        return 0.5 * before * share, 0.5 * share * share
+    return 0.0, 0.0
+
+
+@force_kernel
+def _mean_force(q, v, dofs, table, f):
+    for e in range(dofs.shape[0]):
+        dof, side, gap = dofs[e, 0], table[e, 0], table[e, 1]
+        for w in range(q.shape[1]):
+            middle, half = side * q[dof, w] - gap, side * q[v.shape[0] + dof, w]
+            depth, _ = mean_depth(middle - half, middle + half)
+            bracket = max(1.0 + table[e, 3] * side * v[dof, w], 0.0)
+            f[dof, w] += side * table[e, 2] * depth * bracket
+
+
+@tangent_kernel
+def _mean_tangent(q, v, dofs, table, slots, scale_q, scale_v, values):
+    for e in range(dofs.shape[0]):
+        dof, side, gap, damping = dofs[e, 0], table[e, 0], table[e, 1], table[e, 3]
+        for w in range(q.shape[1]):
+            middle, half = side * q[dof, w] - gap, side * q[v.shape[0] + dof, w]
+            depth, slope = mean_depth(middle - half, middle + half)
+            bracket = 1.0 + damping * side * v[dof, w]
+            if bracket > 0.0:
+                values[slots[e, 0], w] += table[e, 2] * (
+                    2.0 * scale_q[w] * slope * bracket + scale_v[w] * depth * damping
                 )

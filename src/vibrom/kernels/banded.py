@@ -4,7 +4,7 @@
 
 One column after the other, the state last. `factorise` and `solve` are the plain column algorithms
 (Golub and Van Loan, Matrix Computations, 4.1 and 4.3), written in lanes. L D L' also takes a
-tangent that a far guess made indefinite, where Cholesky's method ends.
+tangent that a far guess made indefinite, where Cholesky's method ends. Others: `banded_whole`.
 
 Own code, where LAPACK factorises one matrix a call: rows `factor` and `solve` of the benchmark
 `budget`, and all of `sweep`.
@@ -68,12 +68,13 @@ def half_bandwidth(matrix: spmatrix) -> int:
     return int(np.abs(entries.row - entries.col).max(initial=0))
 
 
-def to_band(matrix: spmatrix, half: int) -> np.ndarray:
-    """(n, half + 1) lower band of a symmetric matrix."""
-    entries = coo_matrix(matrix)
-    band = np.zeros((matrix.shape[0], half + 1))
-    lower = entries.row >= entries.col
-    np.add.at(band, (entries.col[lower], (entries.row - entries.col)[lower]), entries.data[lower])
+def to_band(matrix: spmatrix, half: int, whole: bool = False) -> np.ndarray:
+    """(n, half + 1) lower band of a symmetric matrix, or (n, 2 half + 1) the whole band."""
+    entries, above = coo_matrix(matrix), half if whole else 0
+    band = np.zeros((matrix.shape[0], half + 1 + above))
+    d = entries.row - entries.col
+    kept = d >= -above
+    np.add.at(band, (entries.col[kept], above + d[kept]), entries.data[kept])
     return band
 
 

@@ -31,7 +31,7 @@ Places = Annotated[np.ndarray, types.int64[:, ::1]]
 # A part is called by kernels only, and counts no references, which would cost more than a small
 # body's step: it may not allocate.
 OPTIONS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
-SCALARS = {float: types.float64, int: types.int64}
+SCALARS = {float: types.float64, int: types.int64, bool: types.boolean}
 
 
 def machine_type(annotation: Any) -> types.Type:

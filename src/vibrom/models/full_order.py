@@ -18,6 +18,7 @@ from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.model import Drive, Motion, Watch
 from vibrom.models.recorded import damped_frequency
+from vibrom.models.training import Unsupported
 from vibrom.solvers.full.newmark import Motion as SolverMotion
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
@@ -58,7 +59,7 @@ class FullOrder:
         return cls(
             term=effects.assemble(body, scene["effects"]),
             probes=known["probe_dof"].values,
-            newmark=Newmark(alpha=time.alpha, tolerance=time.residual),
+            newmark=Newmark(time.alpha, time.scheme, time.residual, time.iterations),
             steps_per_period=time.steps_per_period,
             initial_acceleration=time.initial_acceleration,
             frequency=damped_frequency(known),
@@ -102,6 +103,11 @@ class FullOrder:
         from vibrom.solvers.periodic.newmark_map import NewmarkMap
         from vibrom.solvers.periodic.symmetry import candidates, holds
 
+        if self.newmark.scheme != "newmark":
+            raise Unsupported(
+                f"time.scheme = {self.newmark.scheme}: the derivative of its steps is not known, "
+                "and periodic motions are not followed without it; choose newmark"
+            )
         mirrors = candidates(self.place, self.axis, self.size)
         return NewmarkMap(
             term=self.term,

@@ -89,6 +89,8 @@ def job_code(study, kind):
     def attributes(wildcards):
         chosen = {"scene": [], "model": [getattr(wildcards, "method", None)], "models": METHODS}
         models = sorted({method_module(method) for method in chosen[kind]})
-        return code("study", *own, *scene_modules(wildcards), *models)
+        schemes = [f"solvers.full.schemes.{name}" for name in names("solvers/full/schemes")]
+        varied = schemes if kind == "scene" else []
+        return code("study", *own, *scene_modules(wildcards), *models, *varied)
 
     return attributes

@@ -1,25 +1,16 @@
-"""Newton's steps with the tangent in a band, compiled: no Python between two records.
-
-Compiled once for each number of states side by side and each number of forces. The kernels arrive
-as pointers, so that adding an effect compiles that effect and nothing else.
-"""
+"""What a step does to a body whose tangent is a band: parts of a compiled loop, see `newton`."""
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
-from numba import types
-
-from vibrom.kernels import banded
 from vibrom.kernels.banded import Kernels, Product, Products
-from vibrom.kernels.compiled import Blocks, Places, Rows, kernel, machine_type, part
-from vibrom.kernels.lanes import fill, get, put, room, sqrt
-from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
-from vibrom.solvers.full.newton import Iteration, Limits, Operations, iteration, newton_step
-from vibrom.solvers.full.scheme import extrapolated, predicted
-from vibrom.solvers.full.store import Span, State, Store, chunk, keep
-from vibrom.term import FORCE, TANGENT, Term
+from vibrom.kernels.compiled import Blocks, Places, Rows, part
+from vibrom.kernels.lanes import fill, get, put, sqrt
+from vibrom.solvers.full.batch import Loads, Steps
+from vibrom.solvers.full.newton import Limits
+from vibrom.solvers.full.scheme import extrapolated, predicted, within
+from vibrom.solvers.full.store import State, copy, finish_step
 
 
 class System(NamedTuple):
@@ -43,9 +34,11 @@ class Forces(NamedTuple):
     """The state-dependent forces: of each its kernels and what they know of its elements."""
 
     add: tuple  # pointers to kernels that add f
-    add_tangent: tuple  # pointers to kernels that add its derivative
     dofs: tuple[Places, ...]
     tables: tuple[Rows, ...]
+    add_tangent: tuple  # pointers to kernels that add its derivative
+    tangent_dofs: tuple[Places, ...]
+    tangent_tables: tuple[Rows, ...]
     slots: tuple[Places, ...]  # where the derivative's entries go in the band
 
 
@@ -53,6 +46,9 @@ class Work(NamedTuple):
     """Arrays (n, width) of a step."""
 
     past: Blocks  # (4, n, width) m/s^2: of step k in row k % 4
+    start: State  # of the step, and
+    last: Rows  # m/s^2, the last acceleration where the equation held, if that is not the end
+    path: Rows  # what forces take for the displacement: q, or of mean forces (2n, width)
     plain_q: Rows  # m, q~
     plain_v: Rows  # m/s, v~
     linear: Rows  # N, M a + C v + K q
@@ -74,6 +70,10 @@ class Body(NamedTuple):
 def predict(body, state, step, width):
     """q, v and a at the first guess; r becomes a + c v, which the mass multiplies."""
     steps, work, past = body.system.steps, body.work, body.work.past
+    inside = within(steps.scheme)
+    last = work.last if inside else state.a
+    if inside:
+        copy(state, work.start, width)
     mass_damping, scheme = body.system.mass_damping, body.system.steps.scheme
     h, by_q, by_v = get(steps.h, 0, width), get(steps.by_q, 0, width), get(steps.by_v, 0, width)
     one, two, three = past[(step + 2) % 4], past[(step + 1) % 4], past[step % 4]
@@ -83,6 +83,7 @@ def predict(body, state, step, width):
         q, v = predicted(scheme, h, q, v, a)
         put(work.plain_q, i, q)
         put(work.plain_v, i, v)
+        a = get(last, i, width)
         guess = extrapolated(
             a, get(one, i, width), get(two, i, width), get(three, i, width), get(four, i, width)
         )
@@ -104,11 +105,23 @@ def evaluate(body, state, iteration, step, first, width):
         evaluate_linear(body, state, width)
     else:
         follow_linear(body, width)
+    lay_path(body, state, width)
     for k in range(len(forces.add)):
-        forces.add[k](state.q, state.v, forces.dofs[k], forces.tables[k], work.f)
+        forces.add[k](work.path, state.v, forces.dofs[k], forces.tables[k], work.f)
     if first:
         put(iteration.scale, 0, add_up(body.system.loads, work, u, width))
     put(iteration.norm, 0, subtract(body.system.loads, work, u, width))
+
+
+@part
+def lay_path(body, state, width):
+    """Fills the path of mean forces."""
+    path, n = body.work.path, state.q.shape[0]
+    if path.shape[0] > n:
+        half = 0.5 * get(body.system.steps.h, 0, width)
+        for i in range(n):
+            put(path, i, get(state.q, i, width))
+            put(path, n + i, half * get(state.v, i, width))
 
 
 @part
@@ -169,14 +182,15 @@ def subtract(loads, work, u, width):
 
 @part
 def factorise(body, state, width):
-    """M + gamma h C + beta h^2 (K + df/dq) as L D L'."""
+    """The factors of M + gamma h C + beta h^2 (K + df/dq)."""
     steps, forces, factor = body.system.steps, body.forces, body.system.factor
     body.solver.combine(body.system.parts, body.system.scales, factor)
     values = factor.reshape(factor.shape[0] * factor.shape[1], factor.shape[2])
-    by_q, by_v = steps.by_q[0], steps.by_v[0]
-    for k in range(len(forces.add)):
-        dofs, table, slots = forces.dofs[k], forces.tables[k], forces.slots[k]
-        forces.add_tangent[k](state.q, state.v, dofs, table, slots, by_q, by_v, values)
+    by_q, by_v, path = steps.by_q[0], steps.by_v[0], body.work.path
+    lay_path(body, state, width)
+    for k in range(len(forces.add_tangent)):
+        dofs, table, slots = forces.tangent_dofs[k], forces.tangent_tables[k], forces.slots[k]
+        forces.add_tangent[k](path, state.v, dofs, table, slots, by_q, by_v, values)
     body.solver.factorise(factor)
 
 
@@ -202,92 +216,17 @@ def restart(body, state, w, width):
 
 
 @part
+def finish(body, state, width):
+    """The step's end."""
+    scheme, work = body.system.steps.scheme, body.work
+    if within(scheme):
+        for i in range(state.a.shape[0]):
+            put(work.last, i, get(state.a, i, width))
+        finish_step(scheme, work.start, state, width)
+
+
+@part
 def freeze(body, state, w, width):
     """State w of the batch at rest."""
     state.q[:, w], state.v[:, w], state.a[:, w], body.work.past[:, :, w] = 0.0, 0.0, 0.0, 0.0
-
-
-@cache
-def compiled(width: int, forces: int):
-    """The time loop for `width` states side by side and a number of forces."""
-
-    def each(item):
-        return types.UniTuple(item, forces)
-
-    rows, places = machine_type(Rows), machine_type(Places)
-    kernels = (each(types.FunctionType(FORCE)), each(types.FunctionType(TANGENT)))
-    records = (machine_type(record) for record in (State, Iteration, Span, Store))
-
-    @kernel(
-        types.int64(
-            machine_type(System),
-            banded.pointers(),
-            types.Tuple((*kernels, each(places), each(rows), each(places))),
-            machine_type(Work),
-            *records,
-        ),
-        fastmath=False,
-    )
-    def loop(system, solver, forces, work, state, iteration, span, store):
-        operations = Operations(predict, evaluate, factorise, correct, restart, freeze)
-        body, stored = Body(system, Kernels(*solver), Forces(*forces), work), 0
-        for step in range(span.first, span.last + 1):
-            if step > span.first:
-                newton_step(operations, body, state, iteration, system.limits, step, width)
-            stored = keep(step, span, state, store, stored)
-        return stored
-
-    return loop
-
-
-class BandedSteps:
-    """A batch of states with a tangent in a band; a `Stepper`."""
-
-    batch_width = staticmethod(batch_width)
-
-    @staticmethod
-    def compile(term: Term, width: int) -> None:
-        """Compiles what it needs, or reads it from disk."""
-        banded.kernels(width)
-        compiled(width, len([force.kernels(width) for force in term.forces]))
-
-    def __init__(self, batch: Batch, limits: Limits, half: int):
-        term, width, n = batch.term, batch.width, batch.term.size
-        kernels = [force.kernels(width) for force in term.forces]
-        self.loop = compiled(width, len(kernels))
-        self.solver = tuple(banded.kernels(width))
-        self.forces = (
-            *(tuple(each) for each in zip(*kernels)),
-            tuple(force.dofs for force in term.forces),
-            tuple(force.table for force in term.forces),
-            tuple(banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces),
-        )
-        rate = mass_damping(term)
-        parts, scales = linear_tangent(batch, half)
-        self.system = System(
-            batch.steps,
-            batch.loads,
-            limits,
-            banded.product(term.mass, width),
-            banded.product(None if rate else term.damping, width),
-            banded.product(term.stiffness, width),
-            banded.products(term.mass, term.stiffness, width),
-            rate,
-            1.0 + rate * batch.steps.by_v,
-            parts,
-            scales,
-            room(n * (half + 1), width).reshape(n, half + 1, width),
-        )
-        self.state, self.iteration, self.width = batch.start(), iteration(width), width
-        past = room(4 * n, width).reshape(4, n, width)
-        past[:] = self.state.a
-        self.work = Work(past, *(room(n, width) for _ in range(6)))
-        self.work.f[:] = 0.0
-        self.chunk = chunk(n, width)
-        self.failed, self.iterations = self.iteration.failed, self.iteration.iterations
-        self.factorisations = self.iteration.factorisations
-
-    def advance(self, span: Span, store: Store) -> int:
-        """See `Stepper.advance`."""
-        fixed = self.system, self.solver, self.forces, self.work
-        return self.loop(*fixed, self.state, self.iteration, span, store)
+    body.work.last[:, w] = 0.0

@@ -24,18 +24,18 @@ WIDEST_BAND = 1000  # of a mass; beyond it a sparse factor is cheaper than a ban
 
 
 class Steps(NamedTuple):
-    """Newmark's formulas for the time step of each state."""
+    """A scheme's formulas for the time step of each state."""
 
     scheme: Scheme
     h: Rows  # (1, width) s
-    by_q: Rows  # (1, width) s^2, beta h^2
-    by_v: Rows  # (1, width) s, gamma h
+    by_q: Rows  # (1, width) s^2, what an acceleration adds to q: beta h^2 in Newmark's method
+    by_v: Rows  # (1, width) s, and to v: gamma h
 
 
 class Loads(NamedTuple):
     """p u(t) + p_0."""
 
-    signal: Rows  # (steps + 1, width)
+    signal: Rows  # (steps + 1, width), where the equation of motion holds in the step before
     load: Vector  # (n,) N per unit of the signal
     dead_load: Vector  # (n,) N
 
@@ -75,7 +75,7 @@ class Batch:
 
     @cached_property
     def steps(self) -> Steps:
-        """Newmark's formulas for its time steps."""
+        """The scheme's formulas for its time steps."""
         h = np.array(self.h[None], float)
         return Steps(self.scheme, h, *weights(self.scheme, h))
 
@@ -84,7 +84,10 @@ class Batch:
         """Its loads; a load that is not there is zero."""
         term, none = self.term, np.zeros(self.term.size)
         load, dead = (none if part is None else part for part in (term.load, term.dead_load))
-        return Loads(np.array(self.signal, float), np.array(load, float), np.array(dead, float))
+        signal, before = np.array(self.signal, float), self.scheme.alpha_f
+        if before:
+            signal[1:] = before * signal[:-1] + (1.0 - before) * signal[1:]
+        return Loads(signal, np.array(load, float), np.array(dead, float))
 
     def start(self) -> State:
         """Displacements, velocities and accelerations, from the beginning of a cache line on."""
@@ -94,18 +97,32 @@ class Batch:
             values[:] = start
         return state
 
-    def internal(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """K q + sum f(q, v) (n, width) [N] of contiguous q and v."""
-        stiffness = self.term.stiffness
-        f = np.zeros_like(q) if stiffness is None else np.ascontiguousarray(stiffness @ q)
-        for force in self.term.forces:
-            force.kernels(self.width)[0](q, v, force.dofs, force.table, f)
+    @cached_property
+    def stepped(self) -> Term:
+        """The term as the scheme takes it in a step: with mean forces, or as it is."""
+        if not self.scheme.mean:
+            return self.term
+        return replace(self.term, forces=tuple(one.over_a_step() for one in self.term.forces))
+
+    def internal(self, term: Term, path: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """K q + sum f(q, v) (n, width) [N] of contiguous v and path, which is q or, of the mean
+        forces of `stepped`, has half the way of the step below it.
+        """
+        f = np.zeros_like(v)
+        if term.stiffness is not None:
+            f = np.ascontiguousarray(term.stiffness @ path[: len(v)])
+        for force in term.forces:
+            force.kernels(self.width)[0](path, v, force.dofs, force.table, f)
         return f
 
     def _acceleration(self) -> np.ndarray:
         """Solves  M a = p u + p_0 - C v - K q - sum f(q, v)."""
         signal, load, dead_load = self.loads
-        r = load[:, None] * signal[0] + dead_load[:, None] - self.internal(self.q, self.v)
+        r = (
+            load[:, None] * signal[0]
+            + dead_load[:, None]
+            - self.internal(self.term, self.q, self.v)
+        )
         if self.term.damping is not None:
             r -= self.term.damping @ self.v
         mass, half = self.term.mass, banded.half_bandwidth(self.term.mass)
@@ -131,9 +148,9 @@ def mass_damping(term: Term) -> float:
     return float(rate) if (apart <= 1e-13 * abs(term.damping).max()).all() else 0.0
 
 
-def linear_tangent(batch: Batch, half: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bands (k, n, half + 1) of M, C and K, those that are there, and what multiplies them in
-    M + gamma h C + beta h^2 K for each state (k, width).
+def linear_tangent(batch: Batch, half: int, whole: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Bands (k, n, half + 1), or whole ones, of M, C and K, those that are there, and what
+    multiplies them in M + gamma h C + beta h^2 K for each state (k, width).
     """
     term, steps = batch.term, batch.steps
     weighted = (
@@ -141,5 +158,5 @@ def linear_tangent(batch: Batch, half: int) -> tuple[np.ndarray, np.ndarray]:
         (term.damping, steps.by_v),
         (term.stiffness, steps.by_q),
     )
-    bands = [banded.to_band(part, half) for part, _ in weighted if part is not None]
+    bands = [banded.to_band(part, half, whole) for part, _ in weighted if part is not None]
     return np.stack(bands), np.concatenate([by for part, by in weighted if part is not None])

@@ -1,11 +1,13 @@
-"""Newmark's steps without state-dependent forces, compiled: one product and one solve a step.
+"""Steps without state-dependent forces, compiled: one product and one solve a step.
 
-With q~ and v~ (`scheme`) and a = (q - q~) / (beta h^2), the equation of motion at the step's end is
+With q~ and v~ (`scheme`) and, in Newmark's method, a = (q - q~) / (beta h^2), the equation of
+motion is
 
     (M + gamma h C + beta h^2 K) q = beta h^2 (p u + p_0) + M q~ + C (gamma h q~ - beta h^2 v~),
 
-where K appears on the left only. Rounding: the sum on the left is known to eps, as K is, which
-moves the first frequency by (omega_n / omega_1)^2 eps, 1e-8 for a beam of 40 x 2 bilinear elements.
+where K appears on the left only; other schemes have other factors than gamma h and beta h^2.
+Rounding: the sum on the left is known to eps, as K is, which moves the first frequency by
+(omega_n / omega_1)^2 eps, 1e-8 for a beam of 40 x 2 bilinear elements.
 Source: Bathe, Finite Element Procedures, 9.2.4.
 """
 
@@ -23,9 +25,8 @@ from vibrom.kernels.compiled import Blocks, Numbers, Rows, kernel, machine_type,
 from vibrom.kernels.lanes import get, put, room
 from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
 from vibrom.solvers.full.newton import Limits
-from vibrom.solvers.full.scheme import predicted
-from vibrom.solvers.full.store import Span, State, Store, chunk, keep
-from vibrom.term import Term
+from vibrom.solvers.full.scheme import predicted, within
+from vibrom.solvers.full.store import Span, State, Store, chunk, copy, finish_step, keep
 
 
 class System(NamedTuple):
@@ -40,6 +41,7 @@ class System(NamedTuple):
     x: Rows  # (n, width) m, what M multiplies
     drag: Rows  # (n, width) m s, what C multiplies
     r: Rows  # (n, width) kg m, the right side, then q
+    start: State  # of the step, where the equation of motion does not hold at its end
 
 
 @part
@@ -48,11 +50,14 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
     steps, r, rate = system.steps, system.r, system.mass_damping
     h, by_q, by_v = get(steps.h, 0, width), get(steps.by_q, 0, width), get(steps.by_v, 0, width)
     mass, damping, damped = system.mass, system.damping, system.damping.values.size > 0
-    loads, inverse = system.loads, 1.0 / by_q
+    loads, inverse, scheme, start = system.loads, 1.0 / by_q, steps.scheme, system.start
+    inside = within(scheme)
+    if inside:
+        copy(state, start, width)
     u = by_q * get(loads.signal, step, width)
     for i in range(r.shape[0]):
         q, v, a = get(state.q, i, width), get(state.v, i, width), get(state.a, i, width)
-        q, v = predicted(steps.scheme, h, q, v, a)
+        q, v = predicted(scheme, h, q, v, a)
         drag = by_v * q - by_q * v
         put(state.q, i, q)
         put(state.v, i, v)
@@ -70,6 +75,8 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
         put(state.q, i, q)
         put(state.v, i, get(state.v, i, width) + by_v * a)
         put(state.a, i, a)
+    if inside:
+        finish_step(scheme, start, state, width)
     for w in range(width):
         if failed[w] < 0 and not np.isfinite(state.q[0, w]):
             failed[w] = step
@@ -100,7 +107,7 @@ class LinearSteps:
     batch_width = staticmethod(batch_width)
 
     @staticmethod
-    def compile(term: Term, width: int) -> None:
+    def compile(batch: Batch, width: int) -> None:
         """Compiles what it needs, or reads it from disk."""
         banded.kernels(width)
         compiled(width)
@@ -125,6 +132,7 @@ class LinearSteps:
             rate,
             factor,
             *(room(n, width) for _ in range(3)),
+            State(*(room(n if within(batch.scheme) else 0, width) for _ in range(3))),
         )
         self.state, self.width, self.chunk = batch.start(), width, chunk(n, width)
         self.failed = np.full(width, -1, np.int64)

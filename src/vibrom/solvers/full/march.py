@@ -30,7 +30,7 @@ def integrate(
         width = method.batch_width(states - first)
         where = slice(first, min(first + width, states))
         with passing_kernels():
-            method.compile(start.term, width)
+            method.compile(start, width)
             began = time.perf_counter()
             stepper = method(start.part(first, width), limits, half)
             march(stepper, steps, record, motion, where, progress)

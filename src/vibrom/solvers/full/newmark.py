@@ -1,5 +1,5 @@
-"""Implicit Newmark integration of  M a + C v + K q + sum f(q, v) = p u(t) + p_0, many states side
-by side.
+"""Implicit integration of  M a + C v + K q + sum f(q, v) = p u(t) + p_0  by Newmark's method and
+others of its family (`schemes`), many states side by side.
 
 A step is that of `scheme`, solved as `newton` says, or, without state-dependent forces, by one
 factor for all steps (`linear`). The tangent is a band, or a sparse matrix where the band is too
@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 
 import numpy as np
 
 from vibrom.kernels import banded
-from vibrom.solvers.full.band import BandedSteps
+from vibrom.solvers.full import schemes
+from vibrom.solvers.full.banded_steps import BandedSteps
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.linear import LinearSteps
 from vibrom.solvers.full.march import integrate
@@ -36,6 +38,7 @@ class Newmark:
     """Settings of the integration."""
 
     alpha: float = 0.0  # numerical damping
+    scheme: str = "newmark"  # a file of `schemes`
     tolerance: float = 1e-6  # relative residual at which a step has converged
     max_iterations: int = 25  # of Newton, a step
     # Refactorise if, at the current rate, Newton needs more than this many further iterations.
@@ -89,13 +92,19 @@ class Newmark:
             signal = np.zeros((steps + 1, states))
         return Batch(
             term,
-            Scheme.of(self.alpha),
+            self.parameters(),
             shaped("displacement", displacement, n=n, states=states),
             shaped("velocity", velocity, n=n, states=states),
             shaped("step", step, states=states),
             shaped("signal", signal, **{"steps + 1": steps + 1, "states": states}),
             initial_acceleration == "equilibrium",
         )
+
+    def parameters(self) -> Scheme:
+        """Those of the scheme."""
+        module = import_module(f"{schemes.__name__}.{self.scheme}")
+        made: Scheme = module.scheme(self.alpha)
+        return made
 
     def _method(self, term: Term) -> tuple[type[Stepper], int]:
         """How the steps of a term are taken, and the half bandwidth of its tangent."""

@@ -1,7 +1,10 @@
-"""Newton's iteration on the acceleration at the end of a step, however a body is stored.
+"""Newton's iteration on the acceleration where a step's equation of motion holds (`scheme`),
+however a body is stored.
 
     r(a) = p u + p_0 - M a - C v - K q - f(q, v),    [M + gamma h C + beta h^2 (K + df/dq)] da = r
     |r| <= tolerance (|M a + C v| + |K q + f| + |p u + p_0|),  the right side at the first guess
+
+with the factors gamma h and beta h^2 of Newmark's method; other schemes have others (`weights`).
 
 The factor of the tangent is kept as long as the residual falls fast enough. The first guess alone
 would be an explicit step: at least one solve makes it implicit. A state that does not converge is
@@ -44,11 +47,12 @@ class Iteration(NamedTuple):
 class Operations(NamedTuple):
     """What a step does to a body; arguments in this order, and `width` last."""
 
-    predict: Callable  # (body, state, step): the first guess of the step's end
+    predict: Callable  # (body, state, step): the first guess
     evaluate: Callable  # (body, state, iteration, step, first): the residual, its norm and scale
     factorise: Callable  # (body, state): the tangent
     correct: Callable  # (body, state): solves for a correction and adds it
-    restart: Callable  # (body, state, w): state w without an acceleration at the step's end
+    restart: Callable  # (body, state, w): state w without an acceleration
+    finish: Callable  # (body, state): the step's end, from the instant where the equation holds
     freeze: Callable  # (body, state, w): state w at rest
 
 
@@ -79,6 +83,8 @@ def newton_step(operations, body, state, iteration, limits, step, width):
         if unsolved(iteration, limits, w):
             iteration.failed[w] = step
             iteration.factored[0] = 0
+    operations.finish(body, state, width)
+    for w in range(width):
         if iteration.failed[w] >= 0:  # costs no iterations from here on, and cannot overflow
             operations.freeze(body, state, w, width)
 

@@ -1,11 +1,17 @@
-"""Newmark's formulas, for numbers in lanes and for arrays alike.
+"""Newmark's formulas, for numbers in lanes and for arrays alike; the equation of motion holds at an
+instant e of the step, which a scheme chooses.
 
-    q_{k+1} = q~ + beta h^2 a_{k+1},      q~ = q_k + h v_k + h^2 (1/2 - beta) a_k
-    v_{k+1} = v~ + gamma h a_{k+1},       v~ = v_k + h (1 - gamma) a_k
-    gamma = 1/2 + alpha,  beta = (1 + alpha)^2 / 4
+    q_1 = q_0 + h v_0 + h^2 [(1/2 - beta) a_0 + beta a_1],   v_1 = v_0 + h [(1 - gamma) a_0 +
+    gamma a_1],   a_e = alpha_m a_0 + (1 - alpha_m) a_1,   x_e = alpha_f x_0 + (1 - alpha_f) x_1
 
-Second order and undamped for alpha = 0, numerically damped for alpha > 0. Sources: Newmark 1959;
-Bathe, Finite Element Procedures, 9.2.4.
+for x = q, v and the signal u. What is solved for is a_e: with s = 1 - alpha_f, b = beta/(1 -
+alpha_m) and g = gamma/(1 - alpha_m)
+
+    q_e = q~ + s b h^2 a_e,   q~ = q_0 + s h [v_0 + h (1/2 - b) a_0]
+    v_e = v~ + s g h a_e,     v~ = v_0 + s h (1 - g) a_0
+
+Newmark's own method has e at the end of the step. Sources: Newmark 1959; Chung and Hulbert, J.
+Appl. Mech. 60 (1993) 371.
 """
 
 from __future__ import annotations
@@ -16,27 +22,40 @@ from vibrom.kernels.compiled import part
 
 
 class Scheme(NamedTuple):
-    """The two parameters of the method."""
+    """The parameters of a method; see the files of `schemes`."""
 
     beta: float
     gamma: float
+    alpha_m: float = 0.0  # how far before the end of the step the accelerations are taken,
+    alpha_f: float = 0.0  # and all else, in steps
+    mean: bool = False  # are forces means over the step (`Force.mean`), or those at the instant e?
 
-    @classmethod
-    def of(cls, alpha: float) -> Scheme:
-        """The scheme with the numerical damping `alpha`."""
-        return cls(beta=0.25 * (1.0 + alpha) ** 2, gamma=0.5 + alpha)
+
+@part
+def within(scheme):
+    """Does the equation of motion hold elsewhere than at the end of the step?"""
+    return scheme.alpha_m != 0.0 or scheme.alpha_f != 0.0
 
 
 @part
 def weights(scheme, h):
-    """What an acceleration at the end of a step adds: beta h^2 to q and gamma h to v."""
-    return scheme.beta * h * h, scheme.gamma * h
+    """What an acceleration at the instant e adds there: s b h^2 to q and s g h to v."""
+    share = (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    return share * scheme.beta * h * h, share * scheme.gamma * h
 
 
 @part
 def predicted(scheme, h, q, v, a):
-    """q~ and v~: the end of the step without an acceleration there."""
-    return q + h * (v + h * (0.5 - scheme.beta) * a), v + h * (1.0 - scheme.gamma) * a
+    """q~ and v~: the instant e without an acceleration there."""
+    ahead = (1.0 - scheme.alpha_f) * h
+    b, g = scheme.beta / (1.0 - scheme.alpha_m), scheme.gamma / (1.0 - scheme.alpha_m)
+    return q + ahead * (v + h * (0.5 - b) * a), v + ahead * (1.0 - g) * a
+
+
+@part
+def ended(alpha, start, x):
+    """x_1 from x_0 and x_e."""
+    return (x - alpha * start) * (1.0 / (1.0 - alpha))
 
 
 @part

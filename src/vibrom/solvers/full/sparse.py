@@ -12,10 +12,9 @@ import numpy as np
 
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.newton import Limits, Operations, iteration, newton_step
-from vibrom.solvers.full.scheme import extrapolated, predicted
+from vibrom.solvers.full.scheme import ended, extrapolated, predicted
 from vibrom.solvers.full.store import Span, Store, keep
 from vibrom.solvers.full.tangent import Tangent
-from vibrom.term import Term
 
 
 class SparseSteps:
@@ -29,17 +28,18 @@ class SparseSteps:
         return 1
 
     @staticmethod
-    def compile(term: Term, width: int) -> None:
+    def compile(batch: Batch, width: int) -> None:
         """Compiles what it needs, or reads it from disk."""
-        for force in term.forces:
+        for force in batch.stepped.forces:
             force.kernels(width)
 
     def __init__(self, batch: Batch, limits: Limits, half: int):
         self.batch, self.limits = batch, limits
         self.state, self.iteration = batch.start(), iteration(self.width)
         self.scheme, self.h, self.by_q, self.by_v = batch.steps
-        self.tangent = Tangent(batch.term, 1.0, float(self.by_v[0, 0]), float(self.by_q[0, 0]))
-        self.past = [self.state.a.copy() for _ in range(4)]  # the last accelerations, newest first
+        by_v, by_q = float(self.by_v[0, 0]), float(self.by_q[0, 0])
+        self.tangent = Tangent(batch.stepped, 1.0, by_v, by_q)
+        self.past = [self.state.a.copy() for _ in range(5)]  # accelerations, newest first
         self.failed, self.iterations = self.iteration.failed, self.iteration.iterations
         self.factorisations = self.iteration.factorisations
 
@@ -54,10 +54,15 @@ class SparseSteps:
 
     def predict(self, state, step, width):
         """The first guess of the step's end."""
-        guess = extrapolated(state.a, *self.past)
-        self.past = [state.a.copy(), *self.past[:3]]
+        self.start = [values.copy() for values in state]
         self.plain = predicted(self.scheme, self.h, *state)
-        self._set(state, guess)
+        self._set(state, extrapolated(*self.past))
+
+    def path(self, state):
+        """What forces take for the displacement."""
+        if not self.scheme.mean:
+            return state.q
+        return np.concatenate([state.q, 0.5 * self.h * state.v])
 
     def _set(self, state, acceleration):
         """The step's end with this acceleration."""
@@ -71,7 +76,7 @@ class SparseSteps:
         inertial = term.mass @ state.a
         if term.damping is not None:
             inertial += term.damping @ state.v
-        restoring = self.batch.internal(state.q, state.v)
+        restoring = self.batch.internal(self.batch.stepped, self.path(state), state.v)
         external = (load * signal[step, 0] + dead_load)[:, None]
         self.r = external - inertial - restoring
         with np.errstate(over="ignore"):  # what is too large has not converged
@@ -84,7 +89,7 @@ class SparseSteps:
         self.factor = None
         if np.isfinite(state.a).all():
             with suppress(RuntimeError):  # exactly singular
-                self.factor = self.tangent.factor(state.q, state.v)
+                self.factor = self.tangent.factor(self.path(state), state.v)
 
     def correct(self, state, width):
         """Adds the correction."""
@@ -95,6 +100,13 @@ class SparseSteps:
     def restart(self, state, w, width):
         """Without acceleration."""
         self._set(state, np.zeros_like(state.a))
+
+    def finish(self, state, width):
+        """The step's end."""
+        self.past = [state.a.copy(), *self.past[:4]]
+        lags = self.scheme.alpha_f, self.scheme.alpha_f, self.scheme.alpha_m
+        for values, start, alpha in zip(state, self.start, lags):
+            values[:] = ended(alpha, start, values)
 
     def freeze(self, state, w, width):
         """At rest."""
@@ -108,5 +120,6 @@ OPERATIONS = Operations(
     SparseSteps.factorise,
     SparseSteps.correct,
     SparseSteps.restart,
+    SparseSteps.finish,
     SparseSteps.freeze,
 )

@@ -12,7 +12,6 @@ import numpy as np
 from vibrom.solvers.full.batch import Batch
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.store import Span, Store
-from vibrom.term import Term
 
 
 class Stepper(Protocol):
@@ -25,8 +24,8 @@ class Stepper(Protocol):
     factorisations: np.ndarray  # (1,) so far
 
     @staticmethod
-    def compile(term: Term, width: int) -> None:
-        """Compiles what a batch of `width` states needs, or reads it from disk."""
+    def compile(batch: Batch, width: int) -> None:
+        """Compiles what `width` states of a batch need, or reads it from disk."""
         ...
 
     @staticmethod

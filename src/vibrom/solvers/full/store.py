@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from vibrom.kernels.compiled import Blocks, Numbers, Rows, part
+from vibrom.kernels.lanes import get, put
+from vibrom.solvers.full.scheme import ended
 
 
 class State(NamedTuple):
@@ -39,6 +41,25 @@ class Store(NamedTuple):
 def chunk(n: int, width: int) -> int:
     """Steps between two reports of progress, so that what they leave stays below 100 MB."""
     return int(np.clip(4_000_000 // (n * width), 10, 2000))
+
+
+@part
+def copy(state, into, width):
+    """A state into another."""
+    for i in range(state.q.shape[0]):
+        put(into.q, i, get(state.q, i, width))
+        put(into.v, i, get(state.v, i, width))
+        put(into.a, i, get(state.a, i, width))
+
+
+@part
+def finish_step(scheme, start, state, width):
+    """The step's end, from the instant where the equation of motion holds."""
+    for i in range(state.q.shape[0]):
+        q, v, a = get(state.q, i, width), get(state.v, i, width), get(state.a, i, width)
+        put(state.q, i, ended(scheme.alpha_f, get(start.q, i, width), q))
+        put(state.v, i, ended(scheme.alpha_f, get(start.v, i, width), v))
+        put(state.a, i, ended(scheme.alpha_m, get(start.a, i, width), a))
 
 
 @part

@@ -89,7 +89,7 @@ class Tangent:
         return keys % self.n * self.n + keys // self.n
 
     def at(self, q: np.ndarray, v: np.ndarray) -> csc_matrix:
-        """The matrix (n, n) at the state q, v (n, 1)."""
+        """The matrix (n, n) at the state q, v (n, 1); q of mean forces: see `Force.mean`."""
         lower, values = np.zeros((len(self.base), 1)), self.base[:, None].copy()
         for force, slots in zip(self.forces, self.slots):
             into = lower if force.symmetric else values
