@@ -87,11 +87,20 @@ def test_harmonics_add_up_to_the_motion(answers):
 
 
 def test_a_motion_that_leaves_the_training_range_is_marked(branches):
-    narrow = systems.reduced(**systems.TWO, reach=0.3)
+    narrow = systems.reduced(**systems.TWO, reach=0.5)
     answer = branches.ask(narrow, two_dofs.given())
     left = answer["range_ratio"].values > 1.01
     assert 0 < left.sum() < len(left)
     np.testing.assert_array_equal(answer["outcome"].values == "left_range", left)
+
+
+def test_a_branch_ends_far_from_the_training_data(branches):
+    """Motions of more than four times the range, at the ends of the steps, are not followed, and
+    the branch says that it was lost there.
+    """
+    answer = branches.ask(systems.reduced(**systems.TWO, reach=0.1), two_dofs.given())
+    assert 3.0 < answer["range_ratio"].values.max() < 6.0
+    assert set(answer["outcome"].values[answer["kind"].values == "end"]) == {"lost"}
 
 
 def test_a_budget_of_points_is_kept(models, branches):

@@ -21,7 +21,7 @@ import numpy as np
 from numba import types
 from scipy.integrate import DOP853
 
-from vibrom.kernels.compiled import Blocks, Numbers, Rows, Vector, machine_type, passing_kernels
+from vibrom.kernels.compiled import Blocks, Numbers, Vector, machine_type, passing_kernels
 from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.reduced.field import MAP, VectorField
@@ -35,7 +35,7 @@ KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that
 STAGES = DOP853.n_stages
 _A, _B, _C = (np.ascontiguousarray(part[..., :STAGES]) for part in (DOP853.A, DOP853.B, DOP853.C))
 _E3, _E5 = (np.ascontiguousarray(part[:STAGES]) for part in (DOP853.E3, DOP853.E5))
-_LIMIT = 100.0  # of the range: beyond it a motion is lost
+_LIMIT = 4.0  # of the range: beyond it a motion is lost
 
 
 @dataclass
@@ -148,17 +148,15 @@ def _compiled_run(
     filled = points[np.minimum(np.arange(groups * WIDTH), runs - 1)]
     filled[:, :r] *= flow.reach
     lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
-    path, worst = np.empty((groups, kept, r, WIDTH)), 0.0
+    path = np.empty((groups * kept, r, WIDTH))
     drift, force = flow.field.drift, flow.field.force
     work = np.empty(WIDTH * max(drift.rows, force.rows))
     tables = Tables(drift.numbers, drift.index, force.numbers, force.index, work)
-    maps = drift.function, force.function, tables
-    for run, samples in zip(lanes, path):
-        error = _flow(*maps, run[r:], flow.reach, number, run[:r], samples)
-        worst = max(worst, error)
+    worst = _flow(drift.function, force.function, tables, flow.reach, number, lanes, path)
     # (groups, ..., r, WIDTH) -> (runs, ..., r)
     ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / flow.reach
-    return ends, path.transpose(0, 3, 1, 2).reshape(-1, kept, r)[:runs] / flow.reach, worst
+    samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
+    return ends, samples.reshape(-1, kept, r)[:runs] / flow.reach, worst
 
 
 def _numpy_run(
@@ -219,19 +217,21 @@ def _worst(five, three, reach, worst):
     return worst
 
 
-def _loop(drift, force, tables, drive, reach, number, z, path):
-    """Carries z (r, WIDTH) over a period and fills `path` (kept, r, WIDTH); `drive` (2, WIDTH)
-    holds frequencies and amplitudes. The largest error of a step, of the range.
-    """
-    r, kept, worst = len(z), len(path), 0.0
-    h, signal, slopes = room(1, WIDTH), room(1, WIDTH), room(STAGES * r, WIDTH)
-    y, push = room(r, WIDTH), room(r, WIDTH)
+@part
+def _period(drift, force, tables, reach, number, lanes, path, scratch):
+    """One group; `scratch` ((STAGES + 2) r + 2, WIDTH)."""
+    r, kept, worst = len(reach), len(path), 0.0
+    z, drive = lanes[:r], lanes[r:]
+    h, signal, y, push = scratch[:1], scratch[1:2], scratch[2 : 2 + r], scratch[2 + r : 2 + 2 * r]
+    slopes = scratch[2 + 2 * r :]
     for w in range(WIDTH):
         h[0, w] = 2.0 * np.pi / drive[0, w] / number
     length = get(h, 0, WIDTH)
     for step in range(number):
         if step % (number // kept) == 0:
-            path[step // (number // kept)] = z
+            shown = path[step // (number // kept)]
+            for i in range(r):
+                put(shown, i, get(z, i, WIDTH))
         for s in range(STAGES):
             for i in range(r):
                 put(y, i, get(z, i, WIDTH) + length * _weighted(slopes, _A[s], i, r, s))
@@ -255,6 +255,20 @@ def _loop(drift, force, tables, drive, reach, number, z, path):
     return worst
 
 
+def _loop(drift, force, tables, reach, number, lanes, path):
+    """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
+    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH). The largest error of a
+    step, of the range.
+    """
+    worst, kept = 0.0, len(path) // len(lanes)
+    scratch = room((STAGES + 2) * len(reach) + 2, WIDTH)
+    for group in range(len(lanes)):
+        samples = path[group * kept : (group + 1) * kept]
+        error = _period(drift, force, tables, reach, number, lanes[group], samples, scratch)
+        worst = error if not error <= worst else worst
+    return worst
+
+
 with passing_kernels():
-    _records = (machine_type(item) for item in (Tables, Rows, Vector, int, Rows, Blocks))
+    _records = (machine_type(item) for item in (Tables, Vector, int, Blocks, Blocks))
     _flow = kernel(types.float64(MAP, MAP, *_records), fastmath={"contract"})(_loop)
