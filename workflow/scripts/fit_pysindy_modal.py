@@ -128,8 +128,8 @@ def save(data, path):
         partial.unlink(missing_ok=True)
 
 
-def read(path, kind):
-    """The artefact of this kind; a torn or foreign file is one line."""
+def read(path, kind, scene):
+    """The artefact of this kind and scene; a torn or foreign file is one line."""
     try:
         data = xr.load_dataset(path)
     except (OSError, ValueError) as error:
@@ -141,6 +141,11 @@ def read(path, kind):
         complain(
             f"{path}: kind is {data.attrs.get('kind')!r}, but {kind!r} is needed here; give a "
             "file made by the matching rule"
+        )
+    if data.attrs["scene"] != scene:
+        complain(
+            f"{path}: scene is {data.attrs['scene']!r}, but {scene!r} belongs here; delete it and "
+            "run again"
         )
     return data
 
@@ -154,7 +159,10 @@ def complain(line):
 def main(job):
     sys.stderr = open(job.log[0], "w", encoding="utf-8")  # noqa: SIM115  until the process ends
     settings, scene = dict(job.params.settings), job.params.scene_name
-    structure, train = read(job.input.structure, "structure"), read(job.input.train, "trajectory")
+    structure = read(job.input.structure, "structure", scene)
+    train = read(job.input.train, "trajectory", scene)
+    asked = {key: value for key, value in job.params.items() if key != "provenance"}
+    made_from = {"structure": structure.attrs["content"], "train": train.attrs["content"]}
     arrays, mapping, dynamics = fit(structure, train, **settings)
     arrays |= {
         "outcome": ((), "ok", "how the fit ended", "1"),
@@ -168,6 +176,8 @@ def main(job):
         "seed": -1,
         "reason": "",
         "settings": json.dumps(settings, sort_keys=True),
+        "asked": json.dumps(asked, sort_keys=True),
+        "made_from": json.dumps(made_from, sort_keys=True),
         **job.params.provenance,
     }
     title = f"pysindy_modal in scene {scene}"

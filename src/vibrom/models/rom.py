@@ -209,7 +209,8 @@ def rom_from_dataset(dataset: xr.Dataset) -> Rom:
     that differs from its default. A field that may be None may be left out. An artefact of the
     workflow also has the attributes `kind` (`rom`), `scene`, `method`, `seed` (-1: none) and
     `reason` (empty), and the variables `outcome` (`ok`), `data_seconds`, `mapping_seconds` and
-    `dynamics_seconds`.
+    `dynamics_seconds`. With `asked`, the parameters of its rule, and `made_from`, the `content` of
+    each input by its name, both as json, it is known to be stale where a results folder was copied.
     """
     cls, values, missing = _class(str(dataset.attrs.get("rom", ""))), {}, []
     for item in dataclasses.fields(cls):
