@@ -78,10 +78,10 @@ class Run:
 
 
 def some_results_are_gone(run: Run, chance: random.Random) -> None:
-    """So that there is something to be done."""
+    """So that there is something to be done: what all others lead to is gone too."""
     chosen = [path for path in run.artefacts() if chance.random() < 0.3]
-    for path in chosen:
-        path.unlink()
+    for path in [*chosen, run.results / "scores.csv", *run.results.glob("tables/*.csv")]:
+        path.unlink(missing_ok=True)
 
 
 def killed(run: Run, chance: random.Random, number: int) -> None:
