@@ -388,6 +388,12 @@ def test_more_coordinates_than_the_data_or_the_modes_span_are_refused(rank, line
         Split(**QUICK | {"rank": rank, "latent": 7, "linear": linear}).fit(training())
 
 
+def test_fewer_samples_than_terms_are_refused():
+    """Two coordinates and order 3: 9 terms."""
+    with pytest.raises(MethodError, match="every = 100 leaves 3 samples to train on, fewer than"):
+        Split(**QUICK | {"every": 100}).fit(training())
+
+
 def test_split_plus_names_what_it_lacks():
     with pytest.raises(MethodError, match="starts_from"):
         SplitPlus().fit(training())

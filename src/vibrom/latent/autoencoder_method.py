@@ -137,18 +137,18 @@ class AutoencoderMethod(Method):
             time_scale=self.time_scale,
         )
         stack = chosen.stack(training.trajectories, self.every)
-        samples, terms = stack.shape[1], comb(2 * self.latent + self.order, self.order) - 1
-        if samples < terms:
-            raise MethodError(
-                f"every = {self.every} leaves {samples} samples to train on, fewer than the "
-                f"{terms} terms of dynamics of order = {self.order}; lower one, or record more"
-            )
         if stack.shape[-1] < self.latent:
             raise MethodError(
                 f"the training data move along {stack.shape[-1]} directions, fewer than latent = "
                 f"{self.latent}; lower latent"
             )
         straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
+        samples, terms = stack.shape[1], comb(2 * self.latent + self.order, self.order) - 1
+        if samples < terms:
+            raise MethodError(
+                f"every = {self.every} leaves {samples} samples to train on, fewer than the "
+                f"{terms} terms of dynamics of order = {self.order}; lower one, or record more"
+            )
         device, dtype = pick_device(training.device), getattr(torch, self.precision)
         encoder, decoder = (
             None if self.linear == "none" else torch.tensor(part, dtype=dtype, device=device)
