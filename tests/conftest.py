@@ -23,8 +23,9 @@ SLOW = (
     "test_rollout.py",
     "test_thesis_rows.py",
     "workflow/test_bad_input.py",
-    "workflow/test_readme.py",
+    "workflow/test_docs.py",
     "workflow/test_faults.py",
+    "workflow/test_fuzz_scenes.py",
     "workflow/test_resume.py",
     "workflow/test_small_dag.py",
     "workflow/test_tracking.py",
@@ -33,6 +34,8 @@ SLOW = (
 
 def pytest_collection_modifyitems(items):
     here = Path(__file__).parent
+    gone = [name for name in SLOW if not (here / name).exists()]
+    assert not gone, f"tests/conftest.py: SLOW names {gone}, which is not there"
     for item in items:
         if str(item.path.relative_to(here)).startswith(SLOW):
             item.add_marker(pytest.mark.slow)
