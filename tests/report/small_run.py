@@ -69,7 +69,7 @@ studies:
     frequency: {count: 2}
     periods: 2
     releases: 2
-    full_order: {steps_per_period: [50], alpha: [0.0], periods: 2, every_frequency: 4}
+    full_order: {steps_per_period: [50], schemes: [{alpha: 0.0}], periods: 2, every_frequency: 4}
 """
 DIVERGES = ("large", "split_plus", 1)  # whose training ends in infinity
 

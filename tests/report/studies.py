@@ -68,7 +68,19 @@ def cost_full_order():
             lost = (alpha, steps) == (0.0, 100)
             error = np.nan if lost else 4e3 / steps**2 + alpha / 0.005 * 40 / steps
             answer = (error, steps / 1000, "no_convergence" if lost else "ok")
-            about = ("step", "bilinear", 40, 2, 240, steps, alpha, "equilibrium", 1e-6, np.nan)
+            about = (
+                "step",
+                "bilinear",
+                40,
+                2,
+                240,
+                steps,
+                "newmark",
+                alpha,
+                "equilibrium",
+                1e-6,
+                np.nan,
+            )
             rows.append((about, [answer, answer, None, None]))
     for element, columns, error in (
         ("bilinear", 40, 27.5),
@@ -76,9 +88,22 @@ def cost_full_order():
         ("quadratic", 10, 0.5),
     ):
         answer, omega = (error, columns / 100, "ok"), 312.1 * (1 + error / 100)
-        about = ("mesh", element, columns, 1, columns, 500, 0.005, "equilibrium", 1e-6, omega)
+        about = (
+            "mesh",
+            element,
+            columns,
+            1,
+            columns,
+            500,
+            "newmark",
+            0.005,
+            "equilibrium",
+            1e-6,
+            omega,
+        )
         rows.append((about, [None, None, answer, answer]))
-    names = ("study", "element", "columns", "rows", "free_dofs", "steps_per_period", "alpha")
+    names = ("study", "element", "columns", "rows", "free_dofs", "steps_per_period", "scheme")
+    names += ("alpha",)
     names += ("initial_acceleration", "residual", "first_frequency")
     values = {
         name: ("setting", text(column) if isinstance(column[0], str) else list(column), "1")
@@ -187,7 +212,7 @@ def response_curve():
 
 def coarse_steps():
     """The full order does not converge at its peak with twenty steps a period."""
-    dims, shape = ("steps_per_period", "alpha", "forcing"), (2, 1, 2)
+    dims, shape = ("steps_per_period", "scheme", "forcing"), (2, 1, 2)
     ended = np.full((*shape, 5), "ok", dtype=object)
     ended[0, :, :, 2] = "no_convergence"
     good = ended == "ok"
@@ -198,6 +223,7 @@ def coarse_steps():
         "reference": ("angular_frequency", TRUTH, "m"),
         "seconds": (dims, np.ones(shape), "s"),
     }
-    coords = {"steps_per_period": [20, 100], "alpha": [0.05], "forcing": [1.0, 2.0]}
+    values |= {"alpha": ("scheme", [0.05], "1"), "time_scheme": ("scheme", text(["newmark"]), "1")}
+    coords = {"steps_per_period": [20, 100], "forcing": [1.0, 2.0]}
     coords |= {"angular_frequency": np.arange(5.0)}
     return dataset("robustness", "full_order", None, values, coords, "folding")

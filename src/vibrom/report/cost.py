@@ -143,3 +143,8 @@ def of_methods(found: list[Pooled]) -> dict[str, list[Pooled]]:
     for one in found:
         methods.setdefault(one.method, []).append(one)
     return methods
+
+
+def scheme_words(scheme: str, alpha: float) -> str:
+    """A time integration: `α = 0.005` of Newmark's method, or `generalised alpha, α = 0.1`."""
+    return ("" if scheme == "newmark" else f"{scheme.replace('_', ' ')}, ") + f"α = {alpha:g}"

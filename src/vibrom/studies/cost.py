@@ -18,6 +18,7 @@ from vibrom.config.kinds import (
     Name,
     NonNegative,
     Several,
+    TimeScheme,
 )
 from vibrom.studies import Study
 
@@ -32,6 +33,10 @@ class Scheme:
 
     alpha: Fraction  # numerical damping
     initial_acceleration: Literal["zero", "equilibrium"]
+    scheme: TimeScheme = "newmark"
+    iterations: Count = 25  # of Newton, a step, at most
+    # time steps in one period of the first mode; null: those of all schemes
+    steps_per_period: Several[Steps] | None = None
 
 
 @dataclass(frozen=True)

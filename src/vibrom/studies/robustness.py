@@ -8,7 +8,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from vibrom.config.kinds import Count, Fraction, Name, NonNegative, Positive, Several
+from vibrom.config.kinds import Count, Fraction, Name, NonNegative, Positive, Several, TimeScheme
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Guards
 from vibrom.studies import Study
@@ -24,11 +24,20 @@ class Frequencies:
 
 
 @dataclass(frozen=True)
+class Scheme:
+    """A time integration of the full-order model."""
+
+    alpha: Fraction = 0.0  # numerical damping: gamma = 1/2 + alpha
+    scheme: TimeScheme = "newmark"
+    iterations: Count = 25  # of Newton, a step, at most
+
+
+@dataclass(frozen=True)
 class FullOrder:
-    """Coarse steps and numerical damping of the full-order model."""
+    """Coarse steps and schemes of the full-order model."""
 
     steps_per_period: Several[Annotated[int, Meta(ge=4)]]
-    alpha: Several[Fraction]  # gamma = 1/2 + alpha
+    schemes: Annotated[list[Scheme], Meta(min_length=1)]
     forcing: Several[NonNegative]  # times the scene's own
     periods: Count
     every_frequency: Count  # every n-th frequency of the scene's response curve

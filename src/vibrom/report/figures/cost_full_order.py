@@ -74,15 +74,16 @@ def time_steps(panel, part: xr.Dataset, question: str) -> None:
     """A line a scheme, over the time step."""
     schemes: dict = {}
     for index in np.flatnonzero(part["study"].values == "step"):
-        scheme = part["alpha"].values[index], part["initial_acceleration"].values[index]
+        names = ("scheme", "alpha", "initial_acceleration")
+        scheme = tuple(part[name].values[index] for name in names)
         schemes.setdefault(scheme, []).append(index)
     drawn: set = set()
-    for (alpha, start), indices in schemes.items():
-        if question == "forced" and alpha in drawn:
+    for (scheme, alpha, start), indices in schemes.items():
+        if question == "forced" and (scheme, alpha) in drawn:
             continue  # from rest every start is the same
-        drawn.add(alpha)
+        drawn.add((scheme, alpha))
         chosen = part.isel(setting=indices)
-        words = f"α = {alpha:g}"
+        words = cost.scheme_words(scheme, alpha)
         if question == "decay":
             words += f", a(0) {'of the equation' if start == 'equilibrium' else 'zero'}"
         look = style.look(len(drawn) + (start == "zero"))
@@ -189,7 +190,8 @@ def groups(part: xr.Dataset, of_mesh: bool) -> Iterator[tuple[str, xr.Dataset]]:
     named = [
         str(one["element"].values)
         if of_mesh
-        else f"α = {float(one['alpha']):g}, a(0) {one['initial_acceleration'].values}"
+        else f"{cost.scheme_words(str(one['scheme'].values), float(one['alpha']))}, "
+        f"a(0) {one['initial_acceleration'].values}"
         for one in (part.isel(setting=at) for at in range(part.sizes["setting"]))
     ]
     for name in dict.fromkeys(named):

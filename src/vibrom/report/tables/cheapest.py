@@ -102,7 +102,8 @@ def described(setting: xr.Dataset, question: str) -> str:
         cells = f"{int(setting['columns'])} x {int(setting['rows'])}"
         mesh = f"{setting['element'].values} {cells}"
         return mesh if question == "frequency" else f"{mesh}, {steps}"
-    return (
+    scheme = str(setting["scheme"].values)
+    return ("" if scheme == "newmark" else f"{scheme.replace('_', ' ')}, ") + (
         f"{steps}, alpha {float(setting['alpha']):g}, "
         f"start {setting['initial_acceleration'].values}, residual {float(setting['residual']):g}"
     )

@@ -1,7 +1,8 @@
-"""The full order at coarse steps and with numerical damping
+"""The full order at coarse steps, by several schemes
 
-The full-order response curve at some of its frequencies with few steps a period and with gamma =
-1/2 + alpha. Errors are against the scene's own curve, at the scene's own forcing. Where a run has
+The full-order response curve at some of its frequencies with few steps a period, by Newmark's
+method, the generalised-alpha method and the energy-momentum method, with gamma = 1/2 + alpha.
+Errors are against the scene's own curve, at the scene's own forcing. Where a run has
 no value Newton's iteration did not converge.
 """
 
@@ -14,11 +15,12 @@ from vibrom.report.columns import CASE, METHOD, OUTCOME, Column
 
 FAMILY = "robustness"
 PLACE = 330
-VARIED = ("steps_per_period", "alpha", "forcing")
+VARIED = ("steps_per_period", "scheme", "forcing")
 COLUMNS = (
     CASE,
     METHOD,
     Column("steps_per_period", "Steps a period", whole=True),
+    Column("scheme", "Scheme"),
     Column("gamma", "γ [–]"),
     Column("forcing", "Forcing [of the scene's]"),
     Column("points", "Points", whole=True),
@@ -32,7 +34,7 @@ COLUMNS = (
 
 
 def build(collection, scores):
-    """One row a case, number of steps, numerical damping and forcing."""
+    """One row a case, number of steps, scheme and forcing."""
     rows = []
     for scene in collection.scenes:
         answer = collection.find(scene, FULL_ORDER, "robustness")
@@ -51,6 +53,7 @@ def of_setting(part) -> dict:
     failed_at = failed_at[np.isfinite(failed_at)]
     return {
         "steps_per_period": int(part["steps_per_period"]),
+        "scheme": str(part["time_scheme"].values),
         "gamma": 0.5 + float(part["alpha"]),
         "forcing": float(part["forcing"]),
         "points": part.sizes["angular_frequency"],

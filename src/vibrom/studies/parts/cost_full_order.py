@@ -41,6 +41,7 @@ COLUMNS = {
     "rows": Column("1", "cells over the height"),
     "free_dofs": Column("1", "free displacements"),
     "steps_per_period": Column("1", "time steps in a period of the first mode"),
+    "scheme": Column("1", "time integration", missing=""),
     "alpha": Column("1", "numerical damping"),
     "residual": Column("1", "relative residual of a converged step"),
     "initial_acceleration": Column("1", "start of the integration", missing=""),
@@ -96,7 +97,8 @@ def made(study: Cost, case: Case) -> xr.Dataset:
         "forced": Question(0.0 * start, study.full_order.forced_periods, forcing),
     }
     for question in questions.values():
-        question.brief().answer(with_time(model, SAMPLES, 0.0, 1e-3))
+        for scheme in {scheme.scheme for scheme in study.full_order.schemes}:
+            question.brief().answer(with_time(model, SAMPLES, Newmark(0.0, scheme, 1e-3)))
     truths, own = {}, {}
     for name, question in questions.items():
         truths[name], own[name] = reference(model, question, study.full_order.reference)
@@ -113,14 +115,14 @@ def made(study: Cost, case: Case) -> xr.Dataset:
 
 
 def with_time(
-    model: FullOrder, steps: int, alpha: float, residual: float, start: str = "equilibrium"
+    model: FullOrder, steps: int, newmark: Newmark, start: str = "equilibrium"
 ) -> FullOrder:
     """The model with another integration in time."""
     return replace(
         model,
         steps_per_period=steps,
         initial_acceleration=start,
-        newmark=Newmark(alpha=alpha, tolerance=residual),
+        newmark=newmark,
         title=f"{model.title.partition(',')[0]}, T/{steps}",
     )
 
@@ -129,12 +131,12 @@ def settings(study: Cost, model: FullOrder) -> Iterator[tuple[str, FullOrder]]:
     """(study, model) for each time step of each scheme, then for each residual."""
     varied, residual = study.full_order, model.newmark.tolerance
     for scheme in varied.schemes:
-        for steps in varied.steps_per_period:
-            start = scheme.initial_acceleration
-            yield "step", with_time(model, steps, scheme.alpha, residual, start)
+        newmark = Newmark(scheme.alpha, scheme.scheme, residual, scheme.iterations)
+        for steps in scheme.steps_per_period or varied.steps_per_period:
+            yield "step", with_time(model, steps, newmark, scheme.initial_acceleration)
     own = -(-model.steps_per_period // SAMPLES) * SAMPLES
     for residual in varied.residuals:
-        yield "residual", with_time(model, own, 0.0, residual)
+        yield "residual", with_time(model, own, Newmark(tolerance=residual))
 
 
 def in_time(
@@ -179,7 +181,9 @@ def reference(
     observed order.
     """
     (fine, _, ended), (middle, _, _), (coarse, _, _) = (
-        question.answer(with_time(model, finest.steps_per_period // part, 0.0, finest.residual))
+        question.answer(
+            with_time(model, finest.steps_per_period // part, Newmark(tolerance=finest.residual))
+        )
         for part in (1, 2, 4)
     )
     first, second = np.linalg.norm(coarse - middle), np.linalg.norm(middle - fine)
@@ -201,6 +205,7 @@ def about(kind: str, body: Mapping[str, Any], model: FullOrder) -> dict[str, Any
         "rows": rows,
         "free_dofs": model.size,
         "steps_per_period": model.steps_per_period,
+        "scheme": model.newmark.scheme,
         "alpha": model.newmark.alpha,
         "residual": model.newmark.tolerance,
         "initial_acceleration": model.initial_acceleration,

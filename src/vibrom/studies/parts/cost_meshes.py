@@ -100,6 +100,7 @@ def solved(study: Cost, case: Case, element: str, cells: tuple[int, int], *, rep
     about |= {
         "free_dofs": model.size,
         "steps_per_period": model.steps_per_period,
+        "scheme": model.newmark.scheme,
         "alpha": model.newmark.alpha,
         "residual": model.newmark.tolerance,
         "first_frequency": omega,
@@ -128,7 +129,9 @@ def meshed(
     return FullOrder(
         term=term,
         probes=np.zeros(0, np.int64),
-        newmark=Newmark(alpha=integration.alpha, tolerance=integration.residual),
+        newmark=Newmark(
+            integration.alpha, integration.scheme, integration.residual, integration.iterations
+        ),
         steps_per_period=study.full_order.mesh_steps_per_period,
         initial_acceleration="equilibrium",
         frequency=omega * np.sqrt(1 - ratio**2),

@@ -1,5 +1,5 @@
-"""The response curve of the full order with coarse steps and numerical damping: where Newton's
-iteration fails, and what the damping costs.
+"""The response curve of the full order with coarse steps and several schemes: where Newton's
+iteration fails, and what numerical damping costs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from vibrom.experiments.frc import ResponseCurve
 from vibrom.models.full_order import FullOrder
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.studies import Case
-from vibrom.studies.parts.records import Column, stacked
+from vibrom.studies.parts.records import Column, stacked, text
 from vibrom.studies.robustness import Robustness
 
 CURVE = ("angular_frequency",)
@@ -30,7 +30,7 @@ COLUMNS = {
 
 
 def made(study: Robustness, case: Case) -> xr.Dataset:
-    """One entry a number of steps, numerical damping and forcing, each at some frequencies of the
+    """One entry a number of steps, scheme and forcing, each at some frequencies of the
     scene's own curve.
     """
     model, varied = FullOrder.of_scene(dict(case.scene), case.structure), study.full_order
@@ -38,20 +38,21 @@ def made(study: Robustness, case: Case) -> xr.Dataset:
     curve = curve.isel(angular_frequency=slice(None, None, varied.every_frequency))
     axes = {
         "steps_per_period": ("steps to a period of the forcing", varied.steps_per_period),
-        "alpha": ("numerical damping: gamma = 1/2 + alpha", varied.alpha),
         "forcing": ("forcing amplitude over the scene's", varied.forcing),
     }
     records = []
-    for steps, alpha, forcing in product(varied.steps_per_period, varied.alpha, varied.forcing):
+    for steps, scheme, forcing in product(varied.steps_per_period, varied.schemes, varied.forcing):
         coarse = replace(
             model,
             steps_per_period=steps,
-            newmark=Newmark(alpha=alpha, tolerance=model.newmark.tolerance),
+            newmark=Newmark(
+                scheme.alpha, scheme.scheme, model.newmark.tolerance, scheme.iterations
+            ),
             title=f"{model.title}: response curve, T/{steps}",
         )
         level = forcing * float(case.settings("frc")["forcing"])
         records.append(evaluated(coarse, level, varied.periods, case, curve[CURVE[0]].values))
-    along = {"steps_per_period": len(varied.steps_per_period), "alpha": len(varied.alpha)}
+    along = {"steps_per_period": len(varied.steps_per_period), "scheme": len(varied.schemes)}
     along |= {"forcing": len(varied.forcing)}
     reference = variable(
         CURVE[0], curve["amplitude"].values[0], "m", "the same of the scene's own curve"
@@ -59,6 +60,12 @@ def made(study: Robustness, case: Case) -> xr.Dataset:
     return xr.Dataset(
         {
             "reference": reference,
+            "alpha": variable(
+                "scheme", np.array([one.alpha for one in varied.schemes]), "1", "numerical damping"
+            ),
+            "time_scheme": text(
+                "scheme", [one.scheme for one in varied.schemes], "time integration"
+            ),
             **stacked(records, along, COLUMNS, {CURVE[0]: curve.sizes[CURVE[0]]}),
         },
         coords={CURVE[0]: curve[CURVE[0]].variable}
