@@ -54,6 +54,7 @@ wildcard_constraints:
 
 
 include: "workflow/rules/common/scenes.smk"
+include: "workflow/rules/common/progress.smk"
 include: "workflow/rules/common/resume.smk"
 include: "workflow/rules/common/unrecorded.smk"
 include: "workflow/rules/full_order.smk"

@@ -16,6 +16,7 @@ import traceback
 from pathlib import Path
 
 SIGNAL_ON_PARENTS_END = 1  # PR_SET_PDEATHSIG
+INTERRUPTED = 130  # the exit code of what Ctrl-C ended
 
 
 class Foreign(RuntimeError):
@@ -89,6 +90,8 @@ def main(job):
             sys.stdout, sys.stderr = Tee(sys.__stdout__, log), Tee(sys.__stderr__, log)
             try:
                 run(job)
+            except KeyboardInterrupt:
+                sys.exit(INTERRUPTED)  # Snakemake says what it means
             except Exception as error:
                 line = complaint(error)
                 if line is None:

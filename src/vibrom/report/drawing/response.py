@@ -2,6 +2,8 @@
 the thin lines of the models, their differences below; failed points are counted.
 """
 
+from textwrap import wrap
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,6 +19,7 @@ from vibrom.thesis.labels import label
 FREQUENCY = "forcing frequency [rad/s]"
 TRUTH = style.TRUE | {"linewidth": 3.4}
 THIN = {"linewidth": 0.7, "markersize": 3.0, "markeredgewidth": 0.6}
+WIDE = 48  # characters of a line of notes
 SPARSE = 9  # points from one marker of a line to the next
 
 
@@ -43,7 +46,7 @@ def draw(
                 handles |= line(upper, curve, values, method, look)
                 line(lower, curve, difference(values, truth, quantity), method, look)
             notes += note(curve, quantity, method)
-        said.append(notes)
+        said.append([part for text in notes for part in wrap(text, WIDE)])
     longest = max((len(notes) for notes in said), default=0)
     for (upper, lower), notes in zip(pairs, [*said, []]):
         # As many lines everywhere: panels of one row are of one height.
