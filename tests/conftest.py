@@ -23,6 +23,7 @@ SLOW = (
     "test_rollout.py",
     "test_thesis_rows.py",
     "workflow/test_bad_input.py",
+    "workflow/test_progress.py",
     "workflow/test_readme.py",
     "workflow/test_faults.py",
     "workflow/test_resume.py",
