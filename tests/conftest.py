@@ -24,6 +24,7 @@ SLOW = (
     "test_thesis_rows.py",
     "workflow/test_bad_input.py",
     "workflow/test_docs.py",
+    "workflow/test_progress.py",
     "workflow/test_faults.py",
     "workflow/test_fuzz_scenes.py",
     "workflow/test_resume.py",

@@ -4,12 +4,14 @@ steps made.
 
 import re
 from functools import cache
+from importlib import import_module
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from plotly.graph_objects import Figure
 
-from vibrom.report import figures, outputs, tables
+from vibrom.report import figures, outputs, plots, tables
 from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
 
@@ -98,3 +100,20 @@ def test_every_output_has_a_caption_and_a_place_of_its_own(kind):
     for name in names:
         title, paragraphs = outputs.caption(kind, name)
         assert title and paragraphs and "{{" not in "".join(paragraphs), name
+
+
+@pytest.mark.parametrize(
+    "name", sorted({outputs.drawing(name, ["small", "large"]).plug for name in FIGURES})
+)
+def test_every_plot_is_one_that_plotly_knows(real, name):
+    """Its own check of every key and value; units on both axes; numbers in the alternative text."""
+    module = import_module(f"vibrom.report.figures.{name}")
+    if not hasattr(module, "plot"):
+        return
+    assert module.plot.__doc__  # the caption
+    looks = plots.looks(real.methods)
+    for panel in module.plot(real, Scores.of(real)):
+        made = panel.figure(looks)
+        Figure(data=made["data"], layout=made["layout"])
+        assert UNITS.search(panel.x) and UNITS.search(panel.y)
+        assert not panel.series or re.search(r"\d", panel.seen.removeprefix(panel.title))

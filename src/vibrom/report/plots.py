@@ -32,7 +32,7 @@ SYMBOLS = {
 }
 SHORT = 60  # values up to here are written as numbers, longer arrays as bytes
 DIGITS = 5  # significant, of numbers
-INK = "ink"  # the colour of text, which the page replaces: it depends on light and dark
+INK = "#1c2126"  # the colour of text on white, which the page replaces in the dark
 FRONT = {  # a series: the Pareto front
     "name": "Pareto front",
     "look": {"linewidth": 1.2, "color": "#8a949e", "shape": "hv"},

@@ -32,7 +32,7 @@ const Plots = (() => {
 
   // Dark colours would drown on a dark page: they are mixed with white there.
   function shade(colour) {
-    if (colour === "ink") return css("--ink");
+    if (colour === "#1c2126") return css("--ink");
     if (!dark() || !/^#[0-9a-f]{6}$/i.test(colour)) return colour;
     const parts = [1, 3, 5].map(at => Math.round(0.62 * parseInt(colour.slice(at, at + 2), 16) + 0.38 * 255));
     return `rgb(${parts.join(",")})`;
