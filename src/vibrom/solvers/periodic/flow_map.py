@@ -35,7 +35,7 @@ KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that
 STAGES = DOP853.n_stages
 _A, _B, _C = (np.ascontiguousarray(part[..., :STAGES]) for part in (DOP853.A, DOP853.B, DOP853.C))
 _E3, _E5 = (np.ascontiguousarray(part[:STAGES]) for part in (DOP853.E3, DOP853.E5))
-_LIMIT = 4.0  # of the range: beyond it a motion is lost
+_LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
 
 
 @dataclass
@@ -180,7 +180,7 @@ def _numpy_run(
             five, three = ((h * np.tensordot(e, slopes, 1) / flow.reach) ** 2 for e in (_E5, _E3))
             error = np.where(five == 0.0, 0.0, five / np.sqrt(five + 0.01 * three))
             worst = max(worst, float(np.nan_to_num(error, nan=np.inf).max()))
-            if not np.abs(z / flow.reach).max() < _LIMIT:
+            if kept == 1 and not np.abs(z / flow.reach).max() < _LIMIT:
                 return z, path, np.inf
     return z / flow.reach, path, worst
 
@@ -250,7 +250,7 @@ def _period(drift, force, tables, reach, number, lanes, path, scratch):
         worst = _worst(y, push, reach, worst)
         for i in range(r):
             for w in range(WIDTH):
-                if not abs(z[i, w]) < _LIMIT * reach[i]:
+                if kept == 1 and not abs(z[i, w]) < _LIMIT * reach[i]:
                     return np.inf
     return worst
 
