@@ -38,6 +38,7 @@ NAMES = (
     "training",
     "rollouts",
     "equations",
+    "branches",
     "workflow",
 )
 RESULTS = Path("results")
