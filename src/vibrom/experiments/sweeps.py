@@ -120,14 +120,19 @@ class Sweeps(Experiment):
         apart = difference > APART * np.abs(amplitude[:, known]).max(initial=0.0)
         if not apart.any():
             return found
-        top = int(np.argmax(difference))
+        first = last = int(np.argmax(difference))
+        while first > 0 and apart[first - 1]:
+            first -= 1
+        while last + 1 < len(frequency) and apart[last + 1]:
+            last += 1
+        # After a jump the motion settles for a while, and the two sweeps still differ.
         for row, step in ((0, 1), (1, -1)):
-            last = top
-            while 0 <= last + step < len(frequency) and apart[last + step]:
-                last += step
-            if 0 <= last + step < len(frequency):
-                ends = frequency[[last, last + step]], amplitude[row, [last, last + step]]
-                found[row] = self._halved(flow, points[row][last], *ends)
+            starts = [k for k in range(first, last + 1) if 0 <= k + step < len(frequency)]
+            change = [abs(amplitude[row, k + step] - amplitude[row, k]) for k in starts]
+            if starts:
+                ends = np.array([0, step]) + starts[int(np.argmax(np.nan_to_num(change)))]
+                given = frequency[ends], amplitude[row, ends]
+                found[row] = self._halved(flow, points[row][ends[0]], *given)
         return found
 
     def _halved(

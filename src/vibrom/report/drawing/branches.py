@@ -15,6 +15,7 @@ from vibrom.report.scores import Scores
 
 STABLE, UNSTABLE = {"linestyle": "-"}, {"linestyle": (0, (1.2, 1.2))}
 BEHIND = {"color": "0.72", "linewidth": 2.2}
+AROUND = 6.0  # times the distance of the folds: how much of the curve is shown beside them
 FRONT = {"color": "#8a2a0b", "linewidth": 0.9}
 AXES = ("forcing frequency [rad/s]", "probe amplitude [m]")
 
@@ -50,11 +51,18 @@ def draw(
 
 
 def behind(panel, found: Curve | None) -> None:
-    """The full order's curve, which chooses the vertical axis."""
+    """The full order's curve, which chooses the axes: the neighbourhood of its folds, if it has
+    any.
+    """
     if found is not None:
         line(panel, found, BEHIND, "full order")
         panel.set_ylim(-0.03 * found.amplitude.max(), 1.3 * found.amplitude.max())
-        panel.set_xlim(found.frequency.min(), found.frequency.max())
+        low, high = found.frequency.min(), found.frequency.max()
+        if len(found.folds):
+            first, last = found.frequency[found.folds].min(), found.frequency[found.folds].max()
+            low = max(low, first - AROUND * (last - first))
+            high = min(high, last + AROUND * (last - first))
+        panel.set_xlim(low, high)
 
 
 def line(panel, found: Curve, look: dict, words: str) -> None:

@@ -3,7 +3,8 @@
 Largest displacement of the probe in a period of every periodic motion that was found, against the
 forcing frequency: stable motions drawn through, unstable ones dotted, main folds marked. Behind
 each model stands the full order. One seed of each method is drawn: the median one by decay NMTE.
-The axes are chosen by the full order.
+The axes are chosen by the full order: where its curve folds, the neighbourhood of the folds is
+shown.
 """
 
 from matplotlib.figure import Figure
