@@ -71,6 +71,9 @@ class AutoencoderMethod(Method):
     shuffle: bool = False
     # soap: Adam in the eigenvectors of each layer's averaged squared gradients
     optimiser: Literal["soap", "adam"] = "soap"
+    # of soap: how firmly it keeps directions that its gradients do not tell apart, over their mean
+    # square; with less it follows them sooner, and rounding changes more of what it learns
+    shift: Positive = 1.0
     learning_rate: Positive = 3e-2
     schedule: Literal["one_cycle", "constant"] = "one_cycle"
     precision: Literal["float32", "float64"] = "float32"
@@ -172,6 +175,7 @@ class AutoencoderMethod(Method):
             self.schedule,
             self.precision,
             self.optimiser,
+            self.shift,
         )
 
     @property

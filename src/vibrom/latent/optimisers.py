@@ -26,7 +26,6 @@ from collections.abc import Sequence
 from vibrom.latent.backend import torch
 
 EPSILON = 1e-8  # eps
-SHIFT = 1.0  # delta
 
 
 class Optimiser(ABC):
@@ -92,9 +91,10 @@ class Soap(Optimiser):
         shapes: Sequence[torch.Size],
         betas: tuple[float, float] = (0.9, 0.95),
         memory: float = 0.95,  # s
+        shift: float = 1.0,  # delta
     ):
         super().__init__(vector, shapes, betas)
-        self.memory = memory
+        self.memory, self.shift = memory, shift
         sides = [
             (part, side, size)
             for part, shape in enumerate(self.shapes)
@@ -128,7 +128,7 @@ class Soap(Optimiser):
         """See Optimiser."""
         for size in self._sizes:
             factors, basis = self.state[f"factors {size}"], self.state[f"bases {size}"]
-            shift = SHIFT * factors.diagonal(dim1=-2, dim2=-1).mean(dim=-1)[:, None, None]
+            shift = self.shift * factors.diagonal(dim1=-2, dim2=-1).mean(dim=-1)[:, None, None]
             q, r = torch.linalg.qr(torch.baddbmm(shift * basis, factors, basis))
             negative = r.diagonal(dim1=-2, dim2=-1) < 0.0
             basis.copy_(torch.where(negative[:, None, :], -q, q))

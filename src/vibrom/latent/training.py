@@ -42,6 +42,7 @@ class Schedule:
     profile: Profile
     precision: Precision
     optimiser: OptimiserName
+    shift: float = 1.0  # of soap
 
     def rate_at(self, step: int, steps: int) -> float:
         """Learning rate of this step: constant, or up by cosine over the first 30 % and down to
@@ -81,7 +82,8 @@ def warm_up(device: torch.device) -> None:
 
 def made(schedule: Schedule, learner: Learner) -> Optimiser:
     """The schedule's optimiser for what the learner learns."""
-    return OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes)
+    own = {"shift": schedule.shift} if schedule.optimiser == "soap" else {}
+    return OPTIMISERS[schedule.optimiser](learner.vector, learner.shapes, **own)
 
 
 def epochs(

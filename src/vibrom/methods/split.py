@@ -33,6 +33,7 @@ class Split(AutoencoderMethod):
     """See the module."""
 
     linear: Literal["none", "pod", "modes"] = "modes"
+    shift: Positive = 0.1
     # the network itself flattens out where there are no data
     decoder_beyond: Literal["network", "tangent"] = "tangent"
     acceleration_norm: Literal["static", "plain"] = "static"
