@@ -83,6 +83,24 @@ BAD = {
         {"forcing": 3000.0, "step": 13376},
         ["releases.test", "13376", "give another"],
     ),
+    "two recipes for a release": (
+        SCENE,
+        "releases.test.sweep",
+        {"frequencies": [1.0], "periods": 5},
+        ["releases.test", "both of step and sweep", "give one"],
+    ),
+    "no recipe for a release": (
+        SCENE,
+        "releases.test",
+        {"forcing": 2600.0},
+        ["releases.test", "neither of step and sweep", "give one"],
+    ),
+    "a sweep through nothing": (
+        SCENE,
+        "releases.test",
+        {"forcing": 2600.0, "sweep": {"frequencies": [], "periods": 5}},
+        ["releases.test.sweep.frequencies", "at least 1 entry long"],
+    ),
     "zero time step": (
         SCENE,
         "time.steps_per_period",

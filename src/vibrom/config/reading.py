@@ -95,9 +95,14 @@ def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
 
 def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     """What no single entry says."""
+    for role, release in plain["releases"].items():
+        if (release["step"] is None) == (release["sweep"] is None):
+            given = "neither" if release["step"] is None else "both"
+            cure = f"gives {given} of step and sweep; give one of them"
+            layers.refuse(("releases", role), release, cure)
     train, test = plain["releases"]["train"], plain["releases"]["test"]
     if train == test:
-        cure = "is the training state; give another forcing or step"
+        cure = "is the training state; give another forcing, step or sweep"
         layers.refuse(("releases", "test"), test, cure)
     time = plain["time"]
     if time["steps_per_period"] % time["every"]:

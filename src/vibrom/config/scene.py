@@ -35,13 +35,22 @@ class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         return {key: value for key, value in plain.items() if value is not None}
 
 
+class Sweep(Block, frozen=True):
+    """A forced run from rest whose frequency is changed in steps, the motion carried on."""
+
+    # times the damped first frequency, in the order in which they are driven
+    frequencies: Annotated[tuple[Positive, ...], Meta(min_length=1)]
+    periods: Count  # of the forcing, at each frequency
+
+
 class Release(Block, frozen=True):
-    """Where a decay starts: a displacement of the run forced from rest at the damped first
-    frequency.
-    """
+    """Where a decay starts: a displacement of a forced run. Either `step` or `sweep` is given."""
 
     forcing: Positive  # amplitude, as a multiple of the load
-    step: Step  # the time step at which the displacement is taken
+    # the displacement at this time step of a run from rest at the damped first frequency
+    step: Step | None = None
+    # the turning point, on the load's side, of the last period of this run
+    sweep: Sweep | None = None
 
 
 class Record(Block, frozen=True):

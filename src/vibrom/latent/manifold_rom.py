@@ -7,25 +7,28 @@ polynomial; B (n, k) are orthonormal directions. A known load p also adds a disp
 manifold, of the same form and in proportion to u. A state is encoded as its nearest point of the
 manifold,
 
-    z = argmin |q - q(z)|^2 + |(v - v(z)) / f|^2,    f the frequency that `reach` tells
+    z = argmin |q - q(z)|^2 + |(v - v(z)) / f|^2,    f the frequency that s tells
 
 found by Levenberg and Marquardt's method from what the linear part gives. The manifold may fold
-over any linear coordinate of it.
+over any linear coordinate of it. Polynomials may be extrapolated linearly beyond `reach`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibrom.latent.polynomial import monomials
-from vibrom.models.rom import Rom, of_width, stored
+from vibrom.latent.dissipative import fit_dissipative
+from vibrom.latent.extrapolation import library as extrapolated
+from vibrom.latent.polynomial import exponents, monomials
+from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored
+from vibrom.models.training import Training, Unsupported
 
 if TYPE_CHECKING:
-    from vibrom.solvers.reduced.field import VectorField
+    from vibrom.solvers.reduced.field import Kernel, VectorField
 
 SAME = 1e-6  # relative difference up to which a load is a multiple of the known one
 ITERATIONS, CLOSE = 60, 1e-12  # relative to the reach
@@ -87,9 +90,14 @@ class ManifoldRom(Rom):
         "relative residual of the equations of motion in that motion, as a displacement",
         "amplitude",
     )
+    extrapolation: Extrapolation = "none"
+
+    @property
+    def _edge(self) -> np.ndarray | None:
+        return None if self.extrapolation == "none" else self.reach
 
     def _library(self, z: np.ndarray) -> np.ndarray:
-        return monomials(z / self.scale, self.powers)
+        return extrapolated(z, self.scale, self.powers, self._edge)
 
     def decode(self, z: np.ndarray) -> np.ndarray:
         """See Rom."""
@@ -137,22 +145,84 @@ class ManifoldRom(Rom):
 
     def field(self, p: np.ndarray | None) -> VectorField:
         """See Rom."""
-        from vibrom.latent.ratio_kernel import ratio_kernel
         from vibrom.solvers.reduced.field import VectorField
 
-        drift = ratio_kernel(self.scale, self.powers, self.dynamics, self.below_dynamics)
-        if p is None:
-            return VectorField(drift)
-        pushed = self._pushed(p)
-        return VectorField(drift, ratio_kernel(self.scale, self.powers, pushed, self.below_push))
+        drift = self._kernel(self.dynamics, self.below_dynamics)
+        return VectorField(
+            drift, None if p is None else self._kernel(self._pushed(p), self.below_push)
+        )
+
+    def _kernel(self, above: np.ndarray, below: np.ndarray) -> Kernel:
+        from vibrom.latent.polynomial_kernel import polynomial_kernel
+        from vibrom.latent.ratio_kernel import ratio_kernel
+
+        if self._edge is None:
+            return ratio_kernel(self.scale, self.powers, above, below)
+        return polynomial_kernel(self.scale, self.powers, above, self._edge)
+
+    @property
+    def _polynomial(self) -> bool:
+        return not any(
+            np.any(part[1:]) for part in (self.below, self.below_dynamics, self.below_push)
+        )
+
+    def guarded(self, guards: Guards, training: Training) -> ManifoldRom:
+        """See Rom."""
+        if guards == Guards():
+            return self
+        if not self._polynomial or not training.trajectories:
+            raise Unsupported(
+                "these guards are for polynomials that were fitted to data; set "
+                "extrapolation: none and dissipative: 0"
+            )
+        if not guards.dissipative:
+            return replace(self, extrapolation=guards.extrapolation)
+        return self._dissipative(training, guards.dissipative)
+
+    def _dissipative(self, training: Training, order: int) -> ManifoldRom:
+        """With dynamics of this order that cannot gain energy."""
+        d = len(self.reach) // 2
+        z = self.encode(training.joined("state"))
+        motion = np.stack([z[:, :d], z[:, d:], self._rate(z, training.joined("rate"))[:, d:]])
+        row = fit_dissipative(motion, self.reach, self.scale, order)
+        powers = exponents(2, 0, max(order, int(self.powers.sum(axis=1).max())))
+        parts = {
+            name: _longer(getattr(self, name), len(powers))
+            for name in ("displacement_terms", "velocity_terms", "below", "push", "below_push")
+        }
+        dynamics = np.zeros((2, len(powers)))
+        dynamics[0, (powers == [0, 1]).all(axis=1)] = self.scale[1]
+        dynamics[1, 1 : 1 + len(row)] = row
+        return replace(
+            self,
+            powers=powers,
+            dynamics=dynamics,
+            below_dynamics=_longer(np.ones(1), len(powers)),
+            extrapolation="linear",
+            **parts,
+        )
+
+    def _rate(self, z: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """dz/dt (m, 2d) of states on the manifold whose rates (m, 2n) are known."""
+        velocity, acceleration = np.split(rate, 2, axis=1)
+        target = np.hstack([velocity @ self.basis, acceleration @ self.basis / self._frequency])
+        _, tangents = self._near(z / self.scale)
+        gram = np.einsum("mik,mjk->mij", tangents, tangents)
+        right = np.einsum("mik,mk->mi", tangents, target)
+        return np.linalg.solve(gram, right[..., None])[..., 0] * self.scale
+
+    @property
+    def _frequency(self) -> float:
+        """f [1/s]."""
+        d = len(self.scale) // 2
+        return float((self.scale[d:] / self.scale[:d]).max())
 
     @cached_property
     def _stacked(self) -> np.ndarray:
         """(1 + 2d, 2k + 1, l): displacement, velocity over the frequency and the denominator; then
         their derivatives along each coordinate over its scale.
         """
-        d = len(self.reach) // 2
-        rate = (self.reach[d:] / self.reach[:d]).max()
+        d, rate = len(self.reach) // 2, self._frequency
         whole = np.vstack([self.displacement_terms, self.velocity_terms / rate, self.below])
         place = {tuple(power): k for k, power in enumerate(self.powers.tolist())}
         found = [whole]
@@ -176,8 +246,7 @@ class ManifoldRom(Rom):
 
     def encode(self, x: np.ndarray) -> np.ndarray:
         """The nearest point of the manifold (*batch, 2d)."""
-        d = len(self.reach) // 2
-        rate = (self.reach[d:] / self.reach[:d]).max()
+        d, rate = len(self.reach) // 2, self._frequency
         x = of_width(x, 2 * len(self.basis), "x")
         q, v = np.split(x.reshape(-1, x.shape[-1]), 2, axis=1)
         target = np.hstack([q @ self.basis, v @ self.basis / rate])
@@ -185,6 +254,11 @@ class ManifoldRom(Rom):
         y = np.linalg.lstsq(linear[0].T, target.T, rcond=None)[0].T
         y = nearest(self._near, target, y)
         return (y * self.scale).reshape(*x.shape[:-1], 2 * d)
+
+
+def _longer(part: np.ndarray, length: int) -> np.ndarray:
+    """Zero coefficients behind the last axis."""
+    return np.pad(part, [(0, 0)] * (part.ndim - 1) + [(0, length - part.shape[-1])])
 
 
 def nearest(near, target: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -1,9 +1,11 @@
 """Scene -> release.nc: the shapes from which the body is released.
 
-Each is the displacement of a run forced from rest at the damped first frequency, at the step that
-the scene names.
+Each is the displacement of a run forced from rest: at the damped first frequency, at the step that
+the scene names; or, of a run whose frequency is changed in steps, at the turning point of its last
+period. A sweep reaches motions that a run from rest never shows.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,10 @@ import xarray as xr
 from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
-from vibrom.config.scene import Release
+from vibrom.config.scene import Release, Sweep
 from vibrom.models.full_order import FullOrder
 from vibrom.models.model import Drive, Watch
+from vibrom.solvers.full.newmark import Motion, Record
 
 ROLES = ("train", "test")
 
@@ -23,7 +26,14 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
     """`scene` has the blocks `body`, `effects`, `releases` and `time`."""
     known = open_dataset(structure, "structure")
     model = FullOrder.of_scene(scene, known)
-    shapes = [shape(model, role, Release.from_builtins(scene["releases"][role])) for role in ROLES]
+    shapes = []
+    for role in ROLES:
+        recipe = Release.from_builtins(scene["releases"][role])
+        shapes.append(
+            at_step(model, role, recipe.forcing, recipe.step)
+            if recipe.sweep is None
+            else turning_point(model, role, recipe.forcing, recipe.sweep)
+        )
     dataset = xr.Dataset(
         {
             "displacement": variable(
@@ -46,15 +56,47 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
     save_dataset(dataset, release, provenance)
 
 
-def shape(model: FullOrder, role: str, release: Release) -> np.ndarray:
-    """(n,) [m] at the release's step. Raises DataError where the run stops before it."""
-    drive = Drive(np.array([float(release.forcing)]), np.array([model.frequency]))
-    instant = np.array([release.step * model.period / model.steps_per_period])
+def at_step(model: FullOrder, role: str, forcing: float, step: int) -> np.ndarray:
+    """(n,) [m] at this step. Raises DataError where the run stops before it."""
+    drive = Drive(np.array([forcing]), np.array([model.frequency]))
+    instant = np.array([step * model.period / model.steps_per_period])
     motion = model.motion(np.zeros((1, 2 * model.size)), drive, Watch(instant))
     if motion.outcome[0] != Outcome.OK:
-        raise DataError(
-            f"releases.{role}: the forced run stops at {motion.failed_at[0]:.4g} s (no "
-            f"convergence); lower releases.{role}.forcing = {release.forcing:g} or raise "
-            "time.steps_per_period"
-        )
+        raise stopped(role, forcing, motion.failed_at[0])
     return motion.displacement[0][0, 0]
+
+
+def turning_point(model: FullOrder, role: str, forcing: float, sweep: Sweep) -> np.ndarray:
+    """(n,) [m] where the last period of a sweep is slowest, among its states on the load's side.
+    Raises DataError where the run stops before.
+    """
+    motion = swept(model, role, forcing, sweep)
+    q, v = motion.displacement[0], motion.velocity[0]
+    along = q @ model.term.load > 0.0
+    speed = np.where(along, np.linalg.norm(v, axis=1), np.inf)
+    return q[speed.argmin()]
+
+
+def swept(model: FullOrder, role: str, forcing: float, sweep: Sweep) -> Motion:
+    """The last period of a run from rest through all frequencies of a sweep."""
+    # A motion that is carried on is in equilibrium with its acceleration.
+    carried, state = replace(model, initial_acceleration="equilibrium"), np.zeros(2 * model.size)
+    last = (sweep.periods - 1) * model.steps_per_period
+    steps, elapsed = sweep.periods * model.steps_per_period, 0.0
+    for frequency in sweep.frequencies:
+        drive = Drive(np.array([forcing]), np.array([frequency * model.frequency]))
+        step = drive.period / model.steps_per_period
+        motion = carried.run(state[None], step, steps, Record(start=last), drive)
+        if motion.outcomes[0] != Outcome.OK:
+            raise stopped(role, forcing, elapsed + motion.failed_at[0])
+        state = np.concatenate([motion.displacement[0, -1], motion.velocity[0, -1]])
+        elapsed += steps * step[0]
+    return motion
+
+
+def stopped(role: str, forcing: float, instant: float) -> DataError:
+    """A forced run that does not reach the release."""
+    return DataError(
+        f"releases.{role}: the forced run stops at {instant:.4g} s (no convergence); lower "
+        f"releases.{role}.forcing = {forcing:g} or raise time.steps_per_period"
+    )

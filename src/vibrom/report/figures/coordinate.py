@@ -1,0 +1,102 @@
+"""Does the motion fold over its linear coordinate?
+
+Left, the modal coordinate phi_1'M q in the first two periods of the training decay: where it grows
+on the way from a turning point to rest, it passes one value twice. Middle, what the largest
+coordinate that is passed twice hides: the shapes at two such instants, or, where there are none,
+the shape at the release. Right, how well the unseen decay is reconstructed: dots, by polynomials of
+growing order over the modal coordinate and its rate, fitted to the training decay by least squares;
+lines, by the coordinates of each method (median over seeds). Polynomials over a coordinate that is
+passed twice stay apart from the motion at any order.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.models.measures import nmte_percent
+from vibrom.models.recorded import structure, trajectory
+from vibrom.models.training import MethodError
+from vibrom.report.collection import FULL_ORDER
+from vibrom.report.drawing import body, panels, style
+from vibrom.thesis.labels import label
+
+FAMILY = "models"
+PLACE = 445
+EACH = "scene"
+
+PERIODS = 2  # that are drawn
+ORDERS = (1, 3, 5, 7, 9, 11)
+
+
+def draw(collection, scores, scene) -> Figure:
+    """Three panels."""
+    figure, (coordinate, shapes, errors) = panels.grid(3, size=(3.1, 2.6), legend=0.25)
+    known, train, test = (
+        collection.find(scene, FULL_ORDER, name) for name in ("structure", "train", "test")
+    )
+    coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
+    shapes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    errors.set(xlabel="order of the polynomials", ylabel="reconstruction NMTE [%]", yscale="log")
+    runs = [run for run in (train, test) if run is not None and finite(run)]
+    if known is None or len(runs) < 2:
+        panels.words(coordinate, "no structure or recorded decays in this run")
+        return figure
+    train, test = runs
+    operators = structure(known)
+    weight = operators.mass @ operators.leading(1)[0]
+    shown = train["time"].values - train["time"].values[0] < PERIODS * float(train["period"])
+    z = train["displacement"].values @ weight
+    coordinate.plot(train["time"].values[shown], z[shown], color="#004c7a")
+    pair = passed_twice(z[shown])
+    for number, at in enumerate(pair or [0]):
+        colour = style.COLOURS[number]
+        coordinate.plot(train["time"].values[at], z[at], "o", color=colour, markersize=4)
+        for loop in body.outlines(known, train["displacement"].values[at]):
+            shapes.plot(*loop.T, color=colour, linewidth=0.9)
+    panels.words(coordinate, "passed twice" if pair else "passed once", place="above")
+    found = by_order(*(trajectory(run) for run in runs), weight)
+    errors.plot(*zip(*found), "o-", color="black", markersize=3, label="polynomials")
+    for number, method in enumerate(collection.methods):
+        error = scores.spread(scene, method, "reconstruction", "nmte_percent", worst=True).median
+        if np.isfinite(error):
+            look = {"color": style.COLOURS[number % len(style.COLOURS)], "linewidth": 0.9}
+            dash = style.DASHES[number % len(style.DASHES)]
+            errors.axhline(error, **look, linestyle=dash, label=label(method))
+    figure.legend(*errors.get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    return figure
+
+
+def finite(run) -> bool:
+    """Did the decay last?"""
+    return bool(np.isfinite(run["displacement"].values).all())
+
+
+def passed_twice(z: np.ndarray) -> list[int] | None:
+    """Two instants between the first turning point and rest at which the coordinate is the same,
+    the first of them the release; None where it only falls.
+    """
+    side = np.sign(z[0]) * z
+    rest = int(np.argmax(side < 0.0)) or len(side)
+    top = int(side[:rest].argmax())
+    if side[top] <= (1.0 + 1e-3) * side[0]:
+        return None
+    return [0, top + int(np.argmax(side[top:rest] <= side[0]))]
+
+
+def by_order(train, test, weight: np.ndarray) -> list[tuple[int, float]]:
+    """(order, NMTE [%]) of the unseen decay, of polynomials in the coordinate and its rate."""
+    y = [
+        np.stack([run.displacement @ weight, run.velocity @ weight], axis=1)
+        for run in (train, test)
+    ]
+    reach = np.abs(y[0]).max(axis=0)
+    found = []
+    for order in ORDERS:
+        powers = exponents(2, 1, order)
+        library, unseen = (monomials(part / reach, powers) for part in y)
+        try:
+            shape = least_squares(library, train.displacement)
+        except MethodError:
+            break  # more terms than samples
+        found.append((order, nmte_percent(test.displacement, unseen @ shape.T)))
+    return found

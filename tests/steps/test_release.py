@@ -1,0 +1,47 @@
+"""Release states against an integration of the same sweep by SciPy."""
+
+import numpy as np
+import two_dofs
+from scipy.integrate import solve_ivp
+
+from vibrom.config.scene import Sweep
+from vibrom.steps.release import swept, turning_point
+
+FORCING = 0.3
+SWEEP = Sweep(frequencies=(0.9, 1.1), periods=4)
+
+
+def reference():
+    """Displacement and velocity (steps + 1, 2) in the last period of the sweep."""
+    model, state = two_dofs.full_order(), np.zeros(4)
+    pull = np.linalg.solve(two_dofs.MASS, two_dofs.STIFFNESS)
+    push = FORCING * np.linalg.solve(two_dofs.MASS, two_dofs.LOAD)
+    for ratio in SWEEP.frequencies:
+        omega = ratio * model.frequency
+        period = 2.0 * np.pi / omega
+
+        def rate(t, x, omega=omega):
+            q, v = x[:2], x[2:]
+            return [*v, *(push * np.sin(omega * t) - two_dofs.DAMPING * v - pull @ q)]
+
+        part = np.arange(model.steps_per_period + 1) / model.steps_per_period
+        last = period * (SWEEP.periods - 1 + part)
+        run = solve_ivp(rate, (0.0, last[-1]), state, t_eval=last, rtol=1e-10, atol=1e-12)
+        state = run.y[:, -1]
+    return run.y[:2].T, run.y[2:].T
+
+
+def test_a_sweep_carries_the_motion_on():
+    q, v = reference()
+    motion = swept(two_dofs.full_order(), "train", FORCING, SWEEP)
+    # Eight periods of a phase error of (omega h)^2/24 each, h = T/400: a thousandth in all.
+    for found, true in ((motion.displacement[0], q), (motion.velocity[0], v)):
+        assert np.abs(found - true).max() < 2e-3 * np.abs(true).max()
+
+
+def test_it_is_released_where_it_turns_on_the_side_of_the_load():
+    q, v = reference()
+    speed = np.where(q @ two_dofs.LOAD > 0.0, np.linalg.norm(v, axis=1), np.inf)
+    found = turning_point(two_dofs.full_order(), "train", FORCING, SWEEP)
+    assert found @ two_dofs.LOAD > 0.0
+    assert np.abs(found - q[speed.argmin()]).max() < 2e-3 * np.abs(q).max()
