@@ -12,6 +12,7 @@ LABELS = {
     "pysindy_modal": "pysindy modal",
     "equations": "Equations",
     "equations_orbits": "Equations, orbits",
+    "equations_corrected": "Equations, corrected",
 }
 KNOWN = tuple(LABELS)[1:]  # methods with a look of their own
 
