@@ -55,3 +55,12 @@ def cubic_coupling(square_of_second):
     moduli = np.array([[0.0, 1 / 3], [1 / 3, 0.0]])  # of e = (u_1^2, u_1 u_2)
     potential = Quartic(csr_matrix(np.eye(2)), np.ones(1), np.zeros((2, 2)), square, moduli)
     return oscillators(np.eye(2), None, np.diag([1.0, square_of_second]), potential)
+
+
+def square_coupling(square_of_second):
+    """u_1'' + u_1 + dU/du_1 = 0,  u_2'' + w^2 u_2 + dU/du_2 = 0,  U = u_1^2 u_2/4 = e_1 e_2/4."""
+    square, linear = np.zeros((2, 2, 2)), np.array([[0.0, 0.0], [0.0, 1.0]])
+    square[0, 0, 0] = 1.0
+    moduli = np.array([[0.0, 0.25], [0.25, 0.0]])  # of e = (u_1^2, u_2)
+    potential = Quartic(csr_matrix(np.eye(2)), np.ones(1), linear, square, moduli)
+    return oscillators(np.eye(2), None, np.diag([1.0, square_of_second]), potential)

@@ -38,11 +38,12 @@ class Fit:
 
 
 def starts_from(name):
-    """The method that this one starts from, as one of its files in config says; None: nothing."""
+    """The class that this one starts from, as one of its files in config says; None: nothing."""
     for path in sorted(FILES.glob("*.yaml")):
         file = yaml.safe_load(path.read_text())
         if file.get("method", path.stem) == name and file.get("starts_from"):
-            return file["starts_from"]
+            start = file["starts_from"]
+            return yaml.safe_load((FILES / f"{start}.yaml").read_text()).get("method", start)
     return None
 
 

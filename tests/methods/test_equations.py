@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from few_dofs import TWO_MASS, cubic_coupling, two
+from few_dofs import TWO_MASS, cubic_coupling, square_coupling, two
 from scenes import THESIS, UNDAMPED, body, quadratic_body
 from scipy.integrate import solve_ivp
 
@@ -177,6 +177,23 @@ def test_two_modes_at_one_to_three_exchange_energy_as_the_body_does():
     run = rollout(rom, rom.encode(start[None]), times[None], CLOSE)
     assert nmte_percent(truth, rom.displacement(run.reduced[0])) < 0.05
     assert nmte_percent(truth[:, 1:], rom.displacement(run.reduced[0])[:, 1:]) < 0.5
+
+
+def test_two_modes_at_one_to_two_exchange_energy_as_the_body_does():
+    """u_1'' + u_1 + u_1 u_2/2 = 0, u_2'' + 4.1 u_2 + u_1^2/4 = 0."""
+    rom = Equations(modes=(1, 2), order=7)._series(square_coupling(4.1)).model(0)
+
+    def slope(t, x):
+        a, b, *v = x
+        return [*v, -a - a * b / 2, -4.1 * b - a * a / 4]
+
+    start, times = np.array([0.3, 0.0, 0.0, 0.0]), np.linspace(0, 100, 401)
+    truth = solve_ivp(slope, (0, 100), start, t_eval=times, rtol=1e-11, atol=1e-13).y[:2].T
+    assert abs(truth[:, 1]).max() > 0.05
+    run = rollout(rom, rom.encode(start[None]), times[None], CLOSE)
+    found = rom.displacement(run.reduced[0])
+    assert nmte_percent(truth, found) < 0.05
+    assert nmte_percent(truth[:, 1:], found[:, 1:]) < 0.5
 
 
 def test_its_reach_is_where_the_residual_meets_the_tolerance(beam, rom):

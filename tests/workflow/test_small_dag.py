@@ -15,7 +15,7 @@ from vibrom.report import outputs
 
 SEEDED = ("decoupled_autoencoder", "sindy_autoencoder", "split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
-FITTED_ONCE += ("equations", "equations_orbits")
+FITTED_ONCE += ("equations", "equations_orbits", "equations_corrected")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures"}
 COST = {"cost_models", "cost_tables", "cost_figures"}

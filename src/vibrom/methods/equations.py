@@ -77,13 +77,11 @@ class Equations(Method):
         """The manifold of the term's equations; Unsupported where a force is no polynomial."""
         if training.term is None:
             raise MethodError("equations needs the scene's equations of motion, and got none")
-        with training.monitor.phase("mapping"):
-            try:
-                series = self._series(training.term)
-            except NoPolynomial as error:
-                raise Unsupported(str(error)) from error
-        with training.monitor.phase("dynamics"):
-            return self._best(series, Residual(training.term))
+        try:
+            series = self._series(training.term)
+        except NoPolynomial as error:
+            raise Unsupported(str(error)) from error
+        return self._best(series, Residual(training.term))
 
     def _series(self, term: Term) -> ManifoldSeries:
         manifold = parametrise(term, self.modes, self.order, self.style, self.detuning)

@@ -13,6 +13,7 @@ LABELS = {
     "equations": "Equations",
     "equations_orbits": "Equations, orbits",
     "autoencoder_manifold": "AE manifold",
+    "equations_corrected": "Equations, corrected",
 }
 KNOWN = tuple(LABELS)[1:]  # methods with a look of their own
 

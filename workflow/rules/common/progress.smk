@@ -2,7 +2,7 @@
 #
 #    12 of 560   2 %  folding: split seed_0: fit  (2.6 s; about 9 min left)
 #
-# `--quiet none` tells everything, in Snakemake's own words; so do its log file and a dry run.
+# `--quiet host` tells everything, in Snakemake's own words; so do its log file and a dry run.
 import logging
 import time
 
