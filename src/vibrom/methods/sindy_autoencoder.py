@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 class SindyAutoencoder(AutoencoderMethod):
     """See the module."""
 
+    shift: Positive = 3.0
     acceleration_full: NonNegative = 0.01  # times |q|^2/|q''|^2: weight of the acceleration error
     acceleration_reduced: NonNegative = 0.1  # the same in reduced coordinates
     sparsity: NonNegative = 0.0  # weight of the sum of the coefficients' sizes

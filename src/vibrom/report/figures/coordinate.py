@@ -23,6 +23,7 @@ from vibrom.thesis.labels import label
 FAMILY = "models"
 PLACE = 445
 EACH = "scene"
+DATA = ("reconstruction", "{scene}/full_order/train.nc")
 
 PERIODS = 2  # that are drawn
 ORDERS = (1, 3, 5, 7, 9, 11)

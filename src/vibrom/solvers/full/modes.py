@@ -6,8 +6,9 @@ pre-stress included. Entries of K are known to eps, and so a frequency is to
     eps |phi|' |K| |phi| / (2 omega^2 phi' M phi)
 
 of itself: in slender bodies axial stiffness drowns the bending, as the fourth power of length over
-height (2e-8 for a cantilever of 50, 0.003 for one of 1000, 0.04 for one of 2000). The rest state of a body is solved once, and so are its modes, however many
-effects and steps need them: results are remembered for the last bodies.
+height (2e-8 for a cantilever of 50, 0.003 for one of 1000, 0.04 for one of 2000). The rest state of
+a body is solved once, and so are its modes, however many effects and steps need them: results are
+remembered for the last bodies.
 """
 
 from __future__ import annotations
