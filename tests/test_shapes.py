@@ -1,5 +1,7 @@
 """Shapes that comments name are checked while the tests run."""
 
+import importlib
+
 import numpy as np
 import pytest
 import shapes
@@ -36,4 +38,7 @@ def test_a_shape_that_is_not_the_one_of_the_comment_is_refused():
 
 
 def test_many_places_are_checked():
+    for name in ("models.full_order", "models.reduced", "solvers.periodic.response"):
+        importlib.import_module(f"vibrom.{name}")
+    importlib.import_module("vibrom.methods.split")
     assert shapes.count > 20
