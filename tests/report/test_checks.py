@@ -150,7 +150,7 @@ def test_models_are_compared_where_all_that_their_answer_depends_on_is_the_thesi
     compared = [row for row in own if row["met"] != checks.NOT_COMPARED]
     assert {row["quantity"] for row in compared} == left
     curve = {Key("small", "full_order", None, "frc"): lambda: forced(forcing=2.0)}
-    assert checks.as_printed("small", Collection(curve)) == {"train", "test", "forced"}
+    assert checks.as_printed("small", Collection(curve)) == {"train", "test", "forced", "branches"}
 
 
 def test_trained_methods_against_the_thesis():

@@ -1,4 +1,4 @@
-"""Slender bodies: frequencies agree with beam theory, or are refused with the figure of rounding."""
+"""Slender bodies: frequencies agree with beam theory, or are refused with rounding's figure."""
 
 import numpy as np
 import pytest
