@@ -37,7 +37,9 @@ def draw(collection, scores, scene) -> Figure:
     )
     coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
     shapes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
-    errors.set(xlabel="order of the polynomials [1]", ylabel="reconstruction NMTE [%]", yscale="log")
+    errors.set(
+        xlabel="order of the polynomials [1]", ylabel="reconstruction NMTE [%]", yscale="log"
+    )
     runs = [run for run in (train, test) if run is not None and finite(run)]
     if known is None or len(runs) < 2:
         panels.words(coordinate, "no structure or recorded decays in this run")
