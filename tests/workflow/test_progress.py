@@ -80,4 +80,4 @@ def test_ctrl_c_ends_in_one_sentence(start, tmp_path):
     os.killpg(run.pid, signal.SIGINT)
     said, _ = run.communicate(timeout=120)
     assert run.returncode != 0 and said.count("The same command goes on from here") == 1
-    assert not any(word in said for word in ("Traceback", "Error", "died with"))
+    assert not any(word in said for word in ("Traceback", "Error", "died with")), said

@@ -4,6 +4,8 @@
 #
 # `--quiet host` tells everything, in Snakemake's own words; so do its log file and a dry run.
 import logging
+import signal
+import threading
 import time
 
 
@@ -68,6 +70,19 @@ def say_lines():
             line = Line(handler.formatter)
             handler.setFormatter(line)
             handler.addFilter(line.shown)
+            expect_stop(line)
+
+
+def expect_stop(line):
+    """A job that Ctrl-C stopped may be noticed before Snakemake says that it stops."""
+    known = signal.getsignal(signal.SIGINT)
+
+    def stop(number, frame):
+        line.stopping = True
+        return known(number, frame)
+
+    if threading.current_thread() is threading.main_thread() and callable(known):
+        signal.signal(signal.SIGINT, stop)
 
 
 if workflow.is_main_process:
