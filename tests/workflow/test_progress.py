@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,11 @@ def start(tmp_path):
         snakemake = str(Path(sys.executable).with_name("snakemake"))
         line = [snakemake, "--cores", "1", *options]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-        run = subprocess.Popen(line, cwd=tmp_path, start_new_session=True, **pipes)
+        # Processes that a shell puts into the background ignore Ctrl-C, and so would this one.
+        heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+        run = subprocess.Popen(
+            line, cwd=tmp_path, start_new_session=True, preexec_fn=heard, **pipes
+        )
         runs.append(run)
         return run
 
