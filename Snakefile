@@ -53,10 +53,10 @@ wildcard_constraints:
     role="train|test",
 
 
-include: "workflow/rules/common/scenes.smk"
-include: "workflow/rules/common/progress.smk"
-include: "workflow/rules/common/resume.smk"
-include: "workflow/rules/common/unrecorded.smk"
+include: "workflow/rules/planning/scenes.smk"
+include: "workflow/rules/planning/progress.smk"
+include: "workflow/rules/planning/resume.smk"
+include: "workflow/rules/planning/unrecorded.smk"
 include: "workflow/rules/full_order.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"

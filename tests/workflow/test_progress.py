@@ -35,7 +35,7 @@ LINE = re.compile(r" +(\d) of 3 +(\d+)%  (.+)  \(([\d.]+ s|\d+ min)(; about .+ l
 def start(tmp_path):
     """Starts a run in `tmp_path`, in a group of processes of its own, as a terminal does."""
     (tmp_path / "Snakefile").write_text(
-        SNAKEFILE.format(rules=ROOT / "workflow/rules/common/progress.smk")
+        SNAKEFILE.format(rules=ROOT / "workflow/rules/planning/progress.smk")
     )
     runs = []
 

@@ -30,7 +30,7 @@ rule first:
 def running(tmp_path):
     """A run that is under way in `tmp_path`."""
     (tmp_path / "Snakefile").write_text(
-        SNAKEFILE.format(rules=ROOT / "workflow/rules/common/resume.smk")
+        SNAKEFILE.format(rules=ROOT / "workflow/rules/planning/resume.smk")
     )
     (tmp_path / "slow").touch()
     line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "1"]

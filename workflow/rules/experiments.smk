@@ -2,7 +2,7 @@
 # too. What an experiment reads is said by the constants of its class in src/vibrom/experiments.
 
 
-include: "common/experiments.smk"
+include: "planning/experiments.smk"
 
 
 # Of the full order: the longest first.

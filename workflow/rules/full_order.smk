@@ -1,5 +1,5 @@
-# What the full-order model of a scene brings before anything is asked: structure, release states and
-# the two recorded decays.
+# What the full-order model of a scene brings before anything is asked: structure, release states
+# and the two recorded decays.
 
 
 rule structure:

@@ -1,8 +1,9 @@
-# One rule a method, made from the configuration: fit_split, fit_ssmlearn, ...; variants of a method (ssmlearn_11) have rules of their own.
-# A method whose block names a rule file brings its own rule instead; that rule writes the same rom.nc and losses.nc.
+# One rule a method, made from the configuration: fit_split, fit_ssmlearn, ...; variants of a method
+# (ssmlearn_11) have rules of their own. A method whose block names a rule file brings its own rule
+# instead; that rule writes the same rom.nc and losses.nc.
 
 
-include: "common/methods.smk"
+include: "planning/methods.smk"
 
 
 for METHOD, BLOCK in METHODS.items():

@@ -1,8 +1,8 @@
-# From the artefacts of all models to scores, the report and MLflow.
-# Tables and figures are files in src/vibrom/report/tables and figures; their constants say what the workflow must know.
+# From the artefacts of all models to scores, the report and MLflow. Tables and figures are files in
+# src/vibrom/report/tables and figures; their constants say what the workflow must know.
 
 
-include: "common/results.smk"
+include: "planning/results.smk"
 
 
 rule scores:

@@ -1,8 +1,8 @@
-# One rule a study and kind of job. What a job makes and reads is said by the constants of the study's
-# class in src/vibrom/studies.
+# One rule a study and kind of job. What a job makes and reads is said by the constants of the
+# study's class in src/vibrom/studies.
 
 
-include: "common/studies.smk"
+include: "planning/studies.smk"
 
 
 # The longest first, beside what they wait for.

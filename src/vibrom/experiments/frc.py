@@ -13,7 +13,7 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive
-from vibrom.experiments import Experiment, Given, at_rest
+from vibrom.experiments import Experiment, Given, at_rest, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Drive, Model, Watch
 
@@ -51,14 +51,7 @@ class ResponseCurve(Experiment):
         shown = periodic(np.roll(run.displacement[0].transpose(2, 0, 1), 1, axis=-1))
         dims, point = ("probe", "angular_frequency"), "angular_frequency"
         answer = {
-            "amplitude": variable(dims, shown.maximum, "m", "largest value of the last period"),
-            "minimum": variable(dims, shown.minimum, "m", "smallest value of the last period"),
-            "half_range": variable(
-                dims, shown.half_range, "m", "half the range of the last period, peak to peak"
-            ),
-            "phase": variable(
-                dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
-            ),
+            **response(dims, shown),
             "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
             **outcome_variables(Outcome.OK, seconds=run.seconds),
             "outcome": variable(point, run.outcome, "1", "how the run ended"),

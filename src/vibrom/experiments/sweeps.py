@@ -14,7 +14,7 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Whole
-from vibrom.experiments import Experiment, Given
+from vibrom.experiments import Experiment, Given, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
 from vibrom.solvers.periodic.equations import prepare
@@ -66,14 +66,7 @@ class Sweeps(Experiment):
         finite = np.isfinite(shown.maximum).all(axis=-1)
         dims, point = ("direction", "angular_frequency", "probe"), "angular_frequency"
         answer = {
-            "amplitude": variable(dims, shown.maximum, "m", "largest value of the last period"),
-            "minimum": variable(dims, shown.minimum, "m", "smallest value of the last period"),
-            "half_range": variable(
-                dims, shown.half_range, "m", "half the range of the last period, peak to peak"
-            ),
-            "phase": variable(
-                dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
-            ),
+            **response(dims, shown),
             "jump_frequency": variable(
                 ("direction", "side"), jumps, "rad s-1", "frequencies between which it jumps"
             ),

@@ -1,5 +1,6 @@
-# An outside method: a peer's package, called by a script that reads and writes the artefacts with xarray alone.
-# The rule writes rom.nc and losses.nc like any other fit, and its models take part in every experiment and table.
+# An outside method: a peer's package, called by a script that reads and writes the artefacts with
+# xarray alone. The rule writes rom.nc and losses.nc like any other fit, and its models take part in
+# every experiment and table.
 PYSINDY = METHODS["pysindy_modal"]
 PYSINDY_SCRIPT = ROOT / "workflow/scripts/fit_pysindy_modal.py"
 PYSINDY_SETTINGS = ["modes", "degree", "threshold"]

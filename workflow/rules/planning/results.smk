@@ -47,7 +47,7 @@ class Family(NamedTuple):
 
 
 def of_study(study):
-    """The artefacts of a study, of the scenes' structures, and of what it reads of the full order."""
+    """The artefacts of a study, the scenes' structures, and what it reads of the full order."""
     reads = [need for needs in STUDIES[study]["reads"].values() for need in needs]
     known = [need.removeprefix("full_order/") for need in reads if need.startswith("full_order/")]
     return study_files(study) + of_full_order(STUDY_SCENES[study], ["structure", *known])
@@ -107,7 +107,7 @@ def plugs_shown(kind):
 
 
 def in_report(kind, family):
-    """The outputs of a family: tables as .html and figures as .svg appear in Snakemake's report, with their captions."""
+    """The outputs of a family: .html of tables and .svg of figures appear in Snakemake's report."""
     return [
         shown(kind, family, path) if Path(path).suffix in (".html", ".svg") else path
         for path in files(kind, [family])

@@ -1,6 +1,7 @@
-# Snakemake knows by its records with what settings a file was made. A results folder that was copied
-# or cloned has none, and neither has a file that was put in place by hand: what such an artefact says
-# of itself is compared with what its rule asks for, and it is made again where the two differ.
+# Snakemake knows by its records with what settings a file was made. A results folder that was
+# copied or cloned has none, and neither has a file that was put in place by hand: what such an
+# artefact says of itself is compared with what its rule asks for, and it is made again where the
+# two differ.
 import time
 from base64 import urlsafe_b64encode
 

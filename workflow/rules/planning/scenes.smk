@@ -16,7 +16,7 @@ def seed_of(wildcards):
 
 
 def scene_part(*keys):
-    """The blocks of the scene that a rule reads; a change in another block does not run it again."""
+    """The blocks of the scene that a rule reads; a change in another one does not run it again."""
     return lambda wildcards: {
         key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)
     }

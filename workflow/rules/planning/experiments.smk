@@ -12,7 +12,7 @@ FULL_ORDER_NAMES = (
 
 
 def artefact(experiment, need, model):
-    """Where `need` lies for the model in this folder; None where the full order has no such thing."""
+    """Where `need` lies for the model in this folder; None where the full order has none."""
     if need in RECORDED:
         return f"<results>/{{scene}}/{settings.FULL_ORDER}/{need}.nc"
     if need == "fit":

@@ -17,7 +17,7 @@ def start_input(method):
 
 
 def checkpoint(method):
-    """Where an interrupted training resumes; another scene, setting or code starts again, in its own file."""
+    """Where an interrupted training resumes; another scene, setting or code starts again."""
 
     def path(wildcards, output):
         recipe = (SCENES[wildcards.scene], METHODS[method], fit_code(method)(wildcards))
@@ -39,7 +39,7 @@ def learnt_from(method):
 
 
 def equations_of(method):
-    """The blocks of the scene that make its equations of motion, for the methods that ask for them."""
+    """The blocks that make a scene's equations of motion, for the methods that ask for them."""
     return {"scene": scene_part()} if of_equations(method) else {}
 
 
