@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oscillators import DAMPING, OMEGA, linear_rom
 
+from vibrom.experiments import response
 from vibrom.experiments.backbone import frequency_error, peak_finding_and_fitting
 from vibrom.models.measures import crossings, curve_error, nmte_percent, periodic
 from vibrom.models.recorded import differences
@@ -152,3 +153,14 @@ def test_leaving_the_training_range_is_said_and_the_run_goes_on():
     assert run.outcome == ["ok", "left_range"]
     assert run.range_ratio == pytest.approx([0.5, 5.0], rel=0.02)
     assert np.isfinite(run.reduced).all() and np.isnan(run.failed_at[0]) and run.failed_at[1] < 0.02
+
+
+def test_what_a_response_shows_keeps_its_two_sides_apart():
+    """y = 1 + 2 sin t is largest at 3 and smallest at -1, in phase with the forcing."""
+    angle = 2 * np.pi * np.arange(400) / 400
+    found = response(("probe",), periodic(1.0 + 2.0 * np.sin(angle)[None]))
+    values = {name: item.values.item() for name, item in found.items()}
+    assert values == pytest.approx(
+        {"amplitude": 3.0, "minimum": -1.0, "half_range": 2.0, "phase": 0.0}, abs=1e-12
+    )
+    assert [item.attrs["units"] for item in found.values()] == ["m", "m", "m", "rad"]
