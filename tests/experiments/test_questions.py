@@ -4,10 +4,12 @@ eigenvalues, rollouts and their outcomes.
 
 import numpy as np
 import pytest
+import xarray as xr
 from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.experiments import response
 from vibrom.experiments.backbone import frequency_error, peak_finding_and_fitting
+from vibrom.experiments.decay import Decay
 from vibrom.models.measures import crossings, curve_error, nmte_percent, periodic
 from vibrom.models.recorded import differences
 from vibrom.models.rollout import Drive, Integrator, rollout
@@ -164,3 +166,16 @@ def test_what_a_response_shows_keeps_its_two_sides_apart():
         {"amplitude": 3.0, "minimum": -1.0, "half_range": 2.0, "phase": 0.0}, abs=1e-12
     )
     assert [item.attrs["units"] for item in found.values()] == ["m", "m", "m", "rad"]
+
+
+def test_a_decay_is_compared_with_the_record_and_with_the_converged_motion_apart():
+    """Off by 0.1 from a record of ones, and by a fifth from a converged motion of 1.375."""
+    ones, time = np.ones((5, 1)), np.arange(5.0)
+    record = dict.fromkeys(("displacement", "velocity", "acceleration"), (("time", "dof"), ones))
+    truth = xr.Dataset(record, coords={"time": time})
+    answer = xr.Dataset({"displacement": (("time", "dof"), 1.1 * ones)})
+    assert Decay().score(answer, truth) == pytest.approx({"nmte_percent": 10.0})
+    truth["converged_displacement"] = (("time", "dof"), 1.375 * ones)
+    assert Decay().score(answer, truth) == pytest.approx(
+        {"nmte_percent": 10.0, "converged_nmte_percent": 20.0}
+    )
