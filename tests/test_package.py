@@ -15,7 +15,6 @@ EXTRAS = (
     "matplotlib",
     "jinja2",
     "rich",
-    "yaml",
 )
 WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({EXTRAS}))\n"  # None: cannot be imported
 MODEL = """

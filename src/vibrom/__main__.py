@@ -1,11 +1,13 @@
-"""What is installed: `vibrom`, `python -m vibrom`; `vibrom --version`."""
+"""What is installed, `vibrom`; whether a configuration is fine, `vibrom check [overlay ...]`."""
 
 import argparse
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import vibrom
-from vibrom.config import plugs
+from vibrom.config import plugs, settings
+from vibrom.config.errors import ConfigError
 
 KINDS = ("bodies", "effects", "methods", "experiments", "studies")
 EXTRAS = {
@@ -25,12 +27,33 @@ def report() -> str:
     return "\n".join(lines)
 
 
+def check(folder: Path, overlays: list[Path]) -> str:
+    """What the configuration in `folder` asks for, with the overlays laid over it, read as the
+    workflow reads it; raises `ConfigError`, one line that names file, key, value and cure.
+    """
+    asked = settings.load(folder, overlays)
+    lists = ("scenes", "methods", "experiments", "studies")
+    lines = [f"{name:12} {', '.join(getattr(asked, name))}" for name in lists]
+    return "\n".join(["The configuration is fine.", *lines, f"{'results':12} {asked.results}"])
+
+
 def main() -> None:
     """The command `vibrom`."""
     parser = argparse.ArgumentParser(prog="vibrom", description=vibrom.__doc__)
     parser.add_argument("--version", action="version", version=f"vibrom {vibrom.__version__}")
-    parser.parse_args()
-    print(report())
+    commands = parser.add_subparsers(dest="command")
+    about = "is the configuration fine, with these overlays?"
+    checking = commands.add_parser("check", help=about, description=check.__doc__)
+    checking.add_argument("overlays", nargs="*", type=Path, help="as given to --configfile")
+    checking.add_argument("--folder", type=Path, default="config", help="of config.yaml")
+    given = parser.parse_args()
+    if given.command is None:
+        print(report())
+        return
+    try:
+        print(check(given.folder, given.overlays))
+    except ConfigError as error:
+        sys.exit(f"vibrom: {error}")
 
 
 if __name__ == "__main__":

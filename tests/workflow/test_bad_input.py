@@ -2,11 +2,15 @@
 as they were.
 """
 
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from bad_entries import BAD
 from project_copy import change, command, copy
+
+from vibrom.__main__ import check
 
 PROMISED = [
     "unknown effect",
@@ -80,3 +84,36 @@ def test_a_workflow_runs_its_own_package_or_none(project):
     (project / "src/vibrom").mkdir(parents=True)
     (line,) = answer_lines(command(project, "-n"))
     assert line.startswith("vibrom: ") and "and not this checkout's" in line
+
+
+DEEP = "a: " + "[" * 3000 + "]" * 3000
+
+
+@pytest.mark.parametrize(
+    "content, says",
+    [
+        ("# größe\nscenes: [small]".encode("latin-1"), "file is not UTF-8 text; save it as UTF-8"),
+        ("scenes: [small]".encode("utf-16"), "file is not UTF-8 text; save it as UTF-8"),
+        (DEEP.encode(), "line 1 is nested more than 50 deep; nothing here needs that"),
+    ],
+)
+def test_an_overlay_that_snakemake_cannot_read_is_explained_by_the_check(project, content, says):
+    # Snakemake reads overlays before any code of the workflow runs, and ends in its own traceback.
+    overlay = project / "overlay.yaml"
+    overlay.write_bytes(content)
+    answer = subprocess.run(
+        [sys.executable, "-m", "vibrom", "check", "overlay.yaml"],
+        cwd=project,
+        capture_output=True,
+        text=True,
+    )
+    assert answer.returncode == 1 and answer.stdout == ""
+    assert answer.stderr == f"vibrom: overlay.yaml: {says}\n"
+
+
+def test_the_check_says_what_a_fine_configuration_asks_for(project):
+    (project / "overlay.yaml").write_text("scenes: [large]\nstudies: {cost: null}\n")
+    printed = check(project / "config", [project / "overlay.yaml"]).splitlines()
+    assert printed[0] == "The configuration is fine."
+    assert printed[1].split() == ["scenes", "large"]
+    assert not any("cost" in line for line in printed)

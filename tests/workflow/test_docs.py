@@ -35,12 +35,12 @@ studies:
   robustness: null
   loose_integration: {scenes: [folding], rtol: [1.0e-2, 1.0e-4]}
 """
-COMMAND = re.compile(r"^(snakemake|make)\b(.*?)(?:\s+#.*)?$", re.MULTILINE)
+COMMAND = re.compile(r"^(snakemake|make|vibrom)\b(.*?)(?:\s+#.*)?$", re.MULTILINE)
 BLOCK = re.compile(r"```sh\n(.*?)```", re.DOTALL)
 
 
 def commands(text):
-    """The lines of shell blocks that run snakemake or make."""
+    """The lines of shell blocks that run snakemake, make or vibrom."""
     lines = "\n".join(BLOCK.findall(text))
     return [f"{name}{rest}".strip() for name, rest in COMMAND.findall(lines)]
 
@@ -174,5 +174,15 @@ def test_every_target_of_make_that_is_shown_is_one(tmp_path, line):
     shutil.copy(ROOT / "Makefile", tmp_path)
     answer = subprocess.run(
         ["make", "--dry-run", *line.split()[1:]], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert answer.returncode == 0, answer.stderr
+
+
+@pytest.mark.parametrize("line", [line for line in shown() if line.startswith("vibrom")])
+def test_every_vibrom_command_that_is_shown_ends_well(tmp_path, line):
+    folder = copy(tmp_path, "src")
+    (folder / "config/mine.yaml").write_text("scenes: [small]\n")
+    answer = subprocess.run(
+        [sys.executable, "-m", *line.split()], cwd=folder, capture_output=True, text=True
     )
     assert answer.returncode == 0, answer.stderr
