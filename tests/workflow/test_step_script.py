@@ -72,6 +72,29 @@ def test_output_goes_to_terminal_and_log(run, tmp_path, capfd):
     assert "half way" in capfd.readouterr().err and "half way" in (tmp_path / "log").read_text()
 
 
+SCRIPT = """
+import runpy, sys, types
+module = types.ModuleType("vibrom.steps.probe")
+module.run = lambda **given: print("0.1 \\u2013 0.3")
+sys.modules["vibrom.steps.probe"] = module
+job = types.SimpleNamespace(
+    input={{}}, output={{}}, params={{"step": "probe"}}, log=[{log!r}], rule="rule", threads=1,
+    scriptdir={folder!r},
+)
+runpy.run_path({folder!r} + "/step.py", init_globals={{"snakemake": job}})
+"""
+
+
+def test_a_terminal_of_ascii_is_no_error(tmp_path):
+    text = SCRIPT.format(log=str(tmp_path / "log"), folder=str(ROOT / "workflow/scripts"))
+    ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    answer = subprocess.run(
+        [sys.executable, "-c", text], capture_output=True, env=os.environ | ascii_only
+    )
+    assert answer.stdout == b"0.1 ? 0.3\n" and answer.returncode == 0
+    assert (tmp_path / "log").read_text(encoding="utf-8") == "0.1 \u2013 0.3\n"
+
+
 def fail(error):
     def step(**given):
         raise error

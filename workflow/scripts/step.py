@@ -87,6 +87,9 @@ def main(job):
     os.environ["NUMBA_NUM_THREADS"] = str(job.threads)
     try:
         with open(job.log[0], "w", buffering=1, encoding="utf-8") as log:
+            for terminal in (sys.__stdout__, sys.__stderr__):
+                # What an old terminal has no sign for is shown as a question mark.
+                terminal.reconfigure(errors="replace")
             sys.stdout, sys.stderr = Tee(sys.__stdout__, log), Tee(sys.__stderr__, log)
             try:
                 run(job)
