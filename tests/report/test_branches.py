@@ -6,6 +6,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Tally
+from vibrom.report import answer as answered
 from vibrom.report import headline, tables
 from vibrom.report.branches import landmark, scenes
 from vibrom.report.collection import Collection, Key
@@ -121,3 +122,11 @@ def test_seeds_with_the_folds_of_the_full_order_are_counted(collection, scores):
     assert headline.folds(split) == "1 of 2, 10.0"
     (frame,) = headline.sections({"folds": made}).values()
     assert frame.to_numpy().tolist() == [["SPLIT", "1 of 2, 10.0"]]
+
+
+def test_the_answer_says_who_knows_that_two_motions_are_possible(collection, scores):
+    (said,) = answered.of(collection, scores).sentences[1:]
+    assert said == (
+        "In folding two motions are possible between the folds of the full order: SPLIT in 1 of 2 "
+        "seeds."
+    )

@@ -152,7 +152,7 @@ def folds(collection: Collection, scores: Scores, case: str, method: str) -> Cel
     wanted = len(truth.folds)
     there = sum(score.value == wanted for score in found)
     words = {0: "no", len(found): "yes"}.get(there, f"{there} of {len(found)} seeds")
-    return Cell(0.0, words if wanted or words != "yes" else "none to have")
+    return Cell(float(wanted), words if wanted or words != "yes" else "none to have")
 
 
 def in_words(ended: Tally) -> str:
@@ -174,10 +174,32 @@ def prices(scores: Scores, case: str, method: str) -> tuple[float, float]:
 
 
 def sentences(answer: Answer) -> list[str]:
-    """What is best in the hardest case and in the others; what that costs, and what fails."""
+    """What is best in the hardest case and in the others; what that costs, and what fails; which
+    models have the folds.
+    """
     first = "; ".join(part for part in (hardest(answer), others(answer)) if part)
     second = "; ".join(part for part in (costs(answer), failures(answer)) if part)
-    return [f"{text[0].upper()}{text[1:]}." for text in (first, second) if text]
+    third = "; ".join(two_motions(answer, case) for case in answer.cases if folding(answer, case))
+    return [f"{text[0].upper()}{text[1:]}." for text in (first, second, third) if text]
+
+
+def folding(answer: Answer, case: str) -> bool:
+    """Was the curve followed through folds of the full order?"""
+    cells = (answer.cells.get((case, method, FOLDS.experiment)) for method in answer.methods)
+    return any(one is not None and one.value > 0.0 for one in cells)
+
+
+def two_motions(answer: Answer, case: str) -> str:
+    """Whose response curve has the folds."""
+    told: dict[str, list[str]] = {}
+    for method in answer.methods:
+        told.setdefault(answer.cells[case, method, FOLDS.experiment].text, []).append(label(method))
+    every, none = told.pop("yes", []), told.pop("no", [])
+    some = [f"{joined(names)} in {words}" for words, names in told.items() if words != GONE]
+    parts = [f"{joined(every)} in every seed" if every else "", *some]
+    know = joined([part for part in parts if part] or ["no model"])
+    wrong = f", {joined(none)} not" if none else ""
+    return f"in {case} two motions are possible between the folds of the full order: {know}{wrong}"
 
 
 def hardest(answer: Answer) -> str:

@@ -3,7 +3,8 @@
 A table is a file in report/tables, a figure one in report/figures. Its docstring is its caption: a
 title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or the name of a study;
 PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene", and
-DATA, where its numbers are.
+DATA, where its numbers are. `plot` of a figure replaces it on the page (`report.plots`); without
+one, `seen(collection, scores, scene) -> str` says its numbers to those who cannot see it.
 A figure with GLANCE stands near the top of the page. ALSO names studies whose artefacts a table or
 figure needs besides those of its family. An experiment without a table of its own has one of its
 scores.

@@ -151,7 +151,7 @@ class Figures:
         return made | {"links": self.links(plug, list(drawn))}
 
     def seen(self, module: ModuleType, plug: str, scene: str | None) -> str:
-        """The drawing in words; from its numbers where its file has `seen`."""
+        """The drawing in words, from its numbers where its file says them."""
         caption = self.captions[f"figures/{plug}"]
         head = f"{caption.title}{f', case {scene}' if scene else ''}. "
         if hasattr(module, "seen"):

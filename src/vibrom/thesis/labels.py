@@ -11,9 +11,9 @@ LABELS = {
     "split_plus": "SPLIT+",
     "pysindy_modal": "pysindy modal",
     "equations": "Equations",
-    "equations_orbits": "Equations, orbits",
+    "equations_orbits": "Equations (orbits)",
     "autoencoder_manifold": "AE manifold",
-    "equations_corrected": "Equations, corrected",
+    "equations_corrected": "Equations (corrected)",
 }
 KNOWN = tuple(LABELS)[1:]  # methods with a look of their own
 

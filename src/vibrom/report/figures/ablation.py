@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report.collection import FULL_ORDER, outcome, probe_name, scalar
+from vibrom.report.columns import number
 from vibrom.report.drawing import panels, style
 
 FAMILY = "ablation"
@@ -46,6 +47,20 @@ def draw(collection, scores, scene=None) -> Figure:
     if left_out:
         cost(bars, study.sel(left_out=[WHOLE, *left_out]))
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """What each effect is worth."""
+    study = collection.find(scene, FULL_ORDER, "ablation")
+    parts = []
+    for name in study["left_out"].values if study is not None else ():
+        less = study.sel(left_out=name)
+        if name != WHOLE:
+            error = float(less["decay_nmte"])
+            worth = f"decay NMTE {number(error, 3)} %" if np.isfinite(error) else why(less)
+            words = " ".join(f"without {name}: {worth}.".replace("_", " ").split())
+            parts.append(f"{words[0].upper()}{words[1:]}")
+    return " ".join(parts) or "No ablation in this run."
 
 
 def moves(less) -> bool:

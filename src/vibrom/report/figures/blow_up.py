@@ -64,3 +64,12 @@ def draw(collection, scores, scene=None) -> Figure:
     panels.words(axes, panels.ending(run, "forced run") + count, place="corner")
     axes.legend(loc="upper left")
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """Whose run it is, and when it ended."""
+    found = first_failure(collection)
+    if found is None:
+        return "No reduced model of this run blew up under forcing."
+    name, method, seed, run = found
+    return f"{panels.title(method, seed)} in case {name}: {panels.ending(run, 'forced run')}."

@@ -57,3 +57,11 @@ def draw(collection, scores, scene=None) -> Figure:
     bar = figure.colorbar(cells, ax=axes, shrink=0.8)
     bar.set_label("size of the displacement [m]")
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """The displacement of each state."""
+    found = [f"{state.at('probe'):.4g} m" for state in states(collection)]
+    if not found:
+        return "No release states in this run."
+    return f"{len(found)} states, with the probe at {', '.join(found)}."

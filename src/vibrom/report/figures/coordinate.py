@@ -17,6 +17,7 @@ from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.training import MethodError
 from vibrom.report.collection import FULL_ORDER
+from vibrom.report.columns import number
 from vibrom.report.drawing import body, panels, style
 from vibrom.thesis.labels import label
 
@@ -51,22 +52,41 @@ def draw(collection, scores, scene) -> Figure:
     z = train["displacement"].values @ weight
     coordinate.plot(train["time"].values[shown], z[shown], color="#004c7a")
     pair = passed_twice(z[shown])
-    for number, at in enumerate(pair or [0]):
-        colour = style.COLOURS[number]
+    for place, at in enumerate(pair or [0]):
+        colour = style.COLOURS[place]
         coordinate.plot(train["time"].values[at], z[at], "o", color=colour, markersize=4)
         for loop in body.outlines(known, train["displacement"].values[at]):
             shapes.plot(*loop.T, color=colour, linewidth=0.9)
     panels.words(coordinate, "passed twice" if pair else "passed once", place="above")
     found = by_order(*(trajectory(run) for run in runs), weight)
     errors.plot(*zip(*found), "o-", color="black", markersize=3, label="polynomials")
-    for number, method in enumerate(collection.methods):
+    for place, method in enumerate(collection.methods):
         error = scores.spread(scene, method, "reconstruction", "nmte_percent", worst=True).median
         if np.isfinite(error):
-            look = {"color": style.COLOURS[number % len(style.COLOURS)], "linewidth": 0.9}
-            dash = style.DASHES[number % len(style.DASHES)]
+            look = {"color": style.COLOURS[place % len(style.COLOURS)], "linewidth": 0.9}
+            dash = style.DASHES[place % len(style.DASHES)]
             errors.axhline(error, **look, linestyle=dash, label=label(method))
     figure.legend(*errors.get_legend_handles_labels(), loc="outside lower center", ncols=6)
     return figure
+
+
+def seen(collection, scores, scene) -> str:
+    """Whether the coordinate is passed twice, and how well each method's coordinates do."""
+    known, train = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "train"))
+    if known is None or train is None or not finite(train):
+        return "No structure or recorded decays in this run."
+    operators = structure(known)
+    z = train["displacement"].values @ (operators.mass @ operators.leading(1)[0])
+    shown = train["time"].values - train["time"].values[0] < PERIODS * float(train["period"])
+    passed = "twice" if passed_twice(z[shown]) else "once"
+    errors = {
+        label(method): scores.spread(
+            scene, method, "reconstruction", "nmte_percent", worst=True
+        ).median
+        for method in collection.methods
+    }
+    words = [f"{name} {number(value, 3)} %" for name, value in errors.items() if value < np.inf]
+    return f"The coordinate passes its values {passed}. Errors: {', '.join(words) or 'none'}."
 
 
 def finite(run) -> bool:

@@ -11,7 +11,9 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, scalar
+from vibrom.report.columns import number
 from vibrom.report.drawing import body, panels
+from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 500
@@ -52,6 +54,23 @@ def draw(collection, scores, scene=None) -> Figure:
         for spare in axes[len(methods) :]:
             spare.remove()
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """How far each model's shape lies from the full order's."""
+    parts = []
+    for name in collection.scenes:
+        block = Block(collection, scores, name, collection.methods)
+        for method, (_, run) in zip(collection.methods, block.runs):
+            if text := panels.ending(run, "forced run"):
+                parts.append(f"{name}, {label(method)}: {text}.")
+            elif block.truth is not None:
+                off = np.linalg.norm(run["final_shape"].values - block.truth)
+                percent = 100.0 * off / np.linalg.norm(block.truth)
+                parts.append(
+                    f"{name}, {label(method)}: {number(percent, 2)} % from the full order."
+                )
+    return " ".join(parts)
 
 
 class Block:

@@ -41,3 +41,13 @@ def draw(collection, scores, scene=None) -> Figure:
         panels.words(panel, "\n".join(state.used), place="above")
         panel.autoscale_view()
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """The displacement of each state, and who uses it."""
+    found = [
+        f"{' and '.join(state.used)}: probe at {state.at('probe'):.4f} m, "
+        f"tip at {state.at('tip'):.4f} m."
+        for state in states(collection)
+    ]
+    return " ".join(found) or "No release states in this run."

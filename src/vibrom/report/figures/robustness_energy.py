@@ -9,7 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report import robustness
+from vibrom.report.columns import number
 from vibrom.report.drawing import panels, style
+from vibrom.thesis.labels import label
 
 FAMILY = "robustness"
 PLACE = 820
@@ -39,6 +41,22 @@ def draw(collection, scores, scene) -> Figure:
     else:
         panels.words(axes[0], "no robustness tests in this run")
     return figure
+
+
+def seen(collection, scores, scene) -> str:
+    """What is left of the energy at the end of the runs that lasted, by guard."""
+    parts = []
+    for method in collection.methods:
+        _, answer = panels.drawn(collection, scores, scene, method, "robustness")
+        if answer is None:
+            continue
+        for guard in answer["guard"].values:
+            energy = answer.isel(integrator=0).sel(guard=guard)["energy"].values
+            lasted = energy[np.isfinite(energy[:, -1])]
+            left = number(float(lasted[:, -1].max()), 2) if len(lasted) else "no"
+            lasting = f"{len(lasted)} of {len(energy)} lasted, at most {left} J left"
+            parts.append(f"{label(method)}, {guard}: {lasting}.")
+    return " ".join(parts) or "No robustness tests in this run."
 
 
 def decays(panel, answer, place: int):

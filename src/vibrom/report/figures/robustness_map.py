@@ -53,6 +53,18 @@ def draw(collection, scores, scene) -> Figure:
     return figure
 
 
+def seen(collection, scores, scene) -> str:
+    """How many runs of each method and guard failed."""
+    parts = []
+    for group in robustness.groups(collection):
+        if group.scene == scene and group.first:
+            runs = [answer.isel(run=answer["kind"].values == KINDS[0]) for answer in group.answers]
+            ended = robustness.endings(run for run in runs if robustness.evaluated(run))
+            lost = sum(not one.has_value for one in ended)
+            parts.append(f"{label(group.method)}, {group.guard}: {lost} of {len(ended)} failed.")
+    return " ".join(parts) or "No robustness tests in this run."
+
+
 def failures(panel, group: robustness.Group):
     """The image, where there was a model to evaluate."""
     name = f"{label(group.method)}, {group.guard}"

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, at_probe
+from vibrom.report.columns import number
 from vibrom.report.drawing import panels
 
 FAMILY = "models"
@@ -45,3 +46,21 @@ def draw(collection, scores, scene=None) -> Figure:
     handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
     figure.legend(*handles, loc="outside lower center", ncols=2)
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """Where the decays begin, and how long they last."""
+    parts = []
+    for name in collection.scenes:
+        for role in LINES:
+            run = collection.find(name, FULL_ORDER, role)
+            if text := panels.ending(run, f"{role} run"):
+                parts.append(f"{name}, {role}: {text}.")
+            else:
+                first, last = at_probe(run, "probe_displacement")[[0, -1]]
+                spent = float(run["time"].values[-1] - run["time"].values[0])
+                parts.append(
+                    f"{name}, {role}: from {number(first, 3)} m, after {number(spent, 3)} s at "
+                    f"{number(last, 2)} m."
+                )
+    return " ".join(parts)

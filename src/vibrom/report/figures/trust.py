@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.report.collection import FULL_ORDER
+from vibrom.report.columns import number
 from vibrom.report.drawing import panels, style
 from vibrom.thesis.labels import label
 
@@ -43,6 +44,19 @@ def draw(collection, scores, scene=None) -> Figure:
     if handles:
         figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
     return figure
+
+
+def seen(collection, scores, scene=None) -> str:
+    """How far the least trusted of each method's seeds is trusted."""
+    parts = []
+    for name in collection.scenes:
+        study = collection.find(name, FULL_ORDER, "trust")
+        for method in collection.methods if study is not None else ():
+            reach = study["trusted_displacement"].values[study["model"].values == method]
+            reach = np.nan_to_num(reach)
+            if reach.size:
+                parts.append(f"{name}, {label(method)}: trusted up to {number(reach.min(), 3)} m.")
+    return " ".join(parts) or "Not part of this run."
 
 
 def seeds_of(study, method: str) -> np.ndarray:
