@@ -3,9 +3,11 @@
 # make check   environment, then what takes seconds: format, lint, types, contracts, quick tests
 # make docs    environment, then the documentation, results/docs/index.html
 # make bench   environment, then every speed comparison
+# make ui      compare the runs of results/ (or: make ui RESULTS=folder PORT=5050)
 PYTHON ?= python3
 CORES ?= 2
 PORT ?= 5000
+RESULTS ?= results
 BIN := .venv/bin
 
 .PHONY: run env environment static check test ui docs report lock bench
@@ -38,7 +40,7 @@ test: static
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 ui: environment
-	@$(BIN)/python -m vibrom.tracking results/mlflow.db $(PORT)
+	@$(BIN)/python -m vibrom.tracking $(RESULTS)/mlflow.db $(PORT)
 
 # Pages that open from disk; nothing is fetched.
 docs: environment

@@ -157,7 +157,7 @@ def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, real)
         median = scored.spread(case, "split", "decay", "nmte_percent").median
         assert f"{numbers.number(median, 3)} ({thesis})" in row
     assert "training diverged 1" in text or "1 of 2 training diverged" in text
-    assert "Checks " in text and str(made / "report.html") in text and "make ui" in text
+    assert "Checks " in text and str(made / "report.html") in text and "make ui RESULTS=" in text
 
 
 def table_of(outcomes, **changes):

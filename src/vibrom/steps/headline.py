@@ -4,6 +4,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from vibrom import tracking
 from vibrom.artefacts.files import write
 from vibrom.report import headline as numbers
 from vibrom.report import tables
@@ -21,7 +22,7 @@ def run(*, artefacts: list[str], report: str, store: str, headline: str, provena
         "Report": report,
         "Tables": str(folder / "tables"),
         "Scores": str(folder / "scores.csv"),
-        "MLflow": "make ui",
+        "MLflow": tracking.command(store),
     }
     write(headline, numbers.text(made, places))
     numbers.show(made, places, Console())

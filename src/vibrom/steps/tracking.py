@@ -38,7 +38,7 @@ def run(
     note = "Tables, figures and scores of the whole run."
     runs.append(TrackedRun("summary", tags=tags, files=files, note=note))
     tracking.record(runs, store=store, artifacts=artifacts)
-    print(f"{len(runs)} runs in {store}; `make ui` shows them")
+    print(f"{len(runs)} runs in {store}; `{tracking.command(store)}` shows them")
 
 
 def _model(

@@ -12,6 +12,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+import shlex
 import shutil
 import socket
 import tempfile
@@ -91,6 +92,12 @@ def record(runs: Iterable[TrackedRun], *, store: str | Path, artifacts: str | Pa
             partial.unlink(missing_ok=True)
     if server:
         _send(client_of, server, runs, f"{socket.gethostname()}:{store}")
+
+
+def command(store: str | Path) -> str:
+    """Which shows the runs of a store."""
+    folder = os.path.relpath(Path(store).parent)
+    return "make ui" if folder == "results" else f"make ui RESULTS={shlex.quote(folder)}"
 
 
 def thinned(steps: Iterable[int], values: Iterable[float]) -> list[tuple[int, float]]:
