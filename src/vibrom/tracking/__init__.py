@@ -97,6 +97,7 @@ def record(runs: Iterable[TrackedRun], *, store: str | Path, artifacts: str | Pa
 def command(store: str | Path) -> str:
     """Which shows the runs of a store."""
     folder = os.path.relpath(Path(store).parent)
+    folder = str(Path(store).parent) if folder.startswith("..") else folder
     return "make ui" if folder == "results" else f"make ui RESULTS={shlex.quote(folder)}"
 
 
