@@ -11,7 +11,7 @@ from bad_entries import BAD, SCENE
 from project_copy import change
 
 from vibrom.config import files, settings
-from vibrom.config.errors import SettingsError
+from vibrom.config.errors import SettingsError, closest
 
 VARIANT = "config/methods/ssmlearn_11.yaml"
 
@@ -279,3 +279,9 @@ def test_some_experiments_are_evaluated_where_scenes_set_them(project, tmp_path)
     assert "branches" in load(project, more).asked("small")
     wrong = overlay(tmp_path, "scene_settings: {small: {experiments: {branches: {}}}}")
     assert "experiments.branches.forcing is missing" in complaint(project, wrong)
+
+
+def test_a_long_list_of_choices_stays_one_line():
+    cure = closest("zzzz", [f"scene_{number}" for number in range(500)])
+    assert cure.startswith("choose from scene_0, ") and cure.endswith(" more") and len(cure) < 280
+    assert closest("zzzz", ["one", "two"]) == "choose from one, two"

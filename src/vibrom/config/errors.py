@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+LISTED = 240  # characters of a list of choices
 LONGEST = 60  # of a key or value that is shown
 
 
@@ -32,7 +33,15 @@ def closest(word: Any, known: Iterable[str]) -> str:
     known = list(known)
     if near := difflib.get_close_matches(str(word), known, 1, 0.6):
         return f"did you mean {near[0]!r}?"
-    return f"choose from {', '.join(known)}" if known else "remove it"
+    return f"choose from {_listed(known)}" if known else "remove it"
+
+
+def _listed(words: list[str]) -> str:
+    """As many as fit one line; there may be hundreds of scenes."""
+    ends = [len(", ".join(words[: count + 1])) for count in range(len(words))]
+    shown = max(1, sum(end <= LISTED for end in ends))
+    rest = len(words) - shown
+    return ", ".join(words[:shown]) + (f" and {rest} more" if rest else "")
 
 
 def _short(value: Any) -> str:
