@@ -18,7 +18,7 @@ except ImportError:
         "make one (see README.md)"
     )
 
-ROOT = Path(workflow.basedir)
+ROOT = Path(workflow.current_basedir)
 OWN, RUNNING = ROOT / "src/vibrom", Path(vibrom.__file__).parent
 if OWN.is_dir() and not OWN.samefile(RUNNING):
     sys.exit(
@@ -27,13 +27,18 @@ if OWN.is_dir() and not OWN.samefile(RUNNING):
     )
 
 from vibrom.artefacts import provenance
-from vibrom.config import errors, settings
+from vibrom.config import errors, layers, settings
 from vibrom.config.plugs import constants, names
 
-CONFIG = ROOT / "config"
-# Read here and not by Snakemake, for which `on`, 0200 and 1:30 are not what they look like.
+# The working folder's own, as that of a project that uses this workflow; else the one that is here.
+CONFIG = Path("config") if Path("config/config.yaml").is_file() else ROOT / "config"
+# Read here and not by Snakemake, for which `on`, 0200 and 1:30 are not what they look like. As a
+# module this workflow is given a block by the other one, whose files and command are not for it.
+GIVEN = (workflow.configfiles, workflow.config_settings.config)
+if workflow.modifier.is_module:
+    GIVEN = ([], config, layers.MODULE)
 try:
-    SETTINGS = settings.load(CONFIG, workflow.configfiles, workflow.config_settings.config)
+    SETTINGS = settings.load(CONFIG, *GIVEN)
 except errors.ConfigError as error:
     sys.exit(f"vibrom: {error}")
 SCENES = {name: scene.to_builtins() for name, scene in SETTINGS.scenes.items()}

@@ -27,6 +27,7 @@ SLOW = (
     "workflow/test_progress.py",
     "workflow/test_faults.py",
     "workflow/test_fuzz_scenes.py",
+    "workflow/test_module.py",
     "workflow/test_resume.py",
     "workflow/test_small_dag.py",
     "workflow/test_tracking.py",

@@ -95,6 +95,18 @@ def test_a_terminal_of_ascii_is_no_error(tmp_path):
     assert (tmp_path / "log").read_text(encoding="utf-8") == "0.1 \u2013 0.3\n"
 
 
+BARE = "import sys; sys.path = [path for path in sys.path if not path.endswith('src')]\n"
+
+
+def test_an_environment_without_the_package_runs_the_one_of_the_workflow(tmp_path):
+    text = SCRIPT.format(log=str(tmp_path / "log"), folder=str(ROOT / "workflow/scripts"))
+    text = text.replace('"0.1 \\u2013 0.3"', "sys.modules['vibrom'].__file__")
+    without = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys.executable, "-P", "-c", BARE + text]
+    answer = subprocess.run(command, capture_output=True, text=True, env=without, cwd=tmp_path)
+    assert answer.stdout.strip() == str(ROOT / "src/vibrom/__init__.py"), answer.stderr
+
+
 def fail(error):
     def step(**given):
         raise error

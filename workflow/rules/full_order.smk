@@ -15,6 +15,7 @@ rule structure:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="structure",
         scene=scene_part(),
         name="{scene}",
         provenance=full_order_code("structure"),
@@ -37,6 +38,7 @@ rule release:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="release",
         scene=scene_part("releases", "time"),
         provenance=full_order_code("release"),
     message:
@@ -59,6 +61,7 @@ rule record:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="record",
         scene=scene_part("record", "time"),
         role="{role}",
         provenance=full_order_code("record"),

@@ -9,7 +9,7 @@ include: "planning/methods.smk"
 for METHOD, BLOCK in METHODS.items():
     if "rule" in BLOCK:
 
-        include: ROOT / BLOCK["rule"]
+        include: rules_of_tool(BLOCK["rule"])
 
         continue
 

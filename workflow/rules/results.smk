@@ -15,6 +15,7 @@ rule scores:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="scores",
         provenance=code("scores"),
     message:
         "scores of all models"
@@ -33,6 +34,7 @@ rule report:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="report",
         tables_shown=plugs_shown("tables"),
         captions=outputs.captions({kind: plugs_shown(kind) for kind in MADE}),
         provenance=code("report", *modules("tables"), *modules("figures")),
@@ -58,6 +60,7 @@ rule tracking:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="tracking",
         provenance=code("tracking"),
     message:
         "MLflow store"
@@ -78,6 +81,7 @@ rule headline:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="headline",
         provenance=code("headline", *modules("tables", ["models"])),
     message:
         "headline numbers"

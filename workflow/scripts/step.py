@@ -1,14 +1,14 @@
 """Runs one step of vibrom: the rule's named inputs, outputs and params become the arguments of its
 `run`.
 
-The step is `vibrom.steps.<name>`; the name is `params.step`, or the rule's. What the step prints
-goes to the terminal and to the rule's log. An error that vibrom itself raises is one line on
-stderr; any other is a bug and keeps its traceback.
+The step is `vibrom.steps.<name>`, with the name in `params.step`. What it prints goes to the
+terminal and to the rule's log. An error that vibrom itself raises is one line on stderr; any other
+is a bug and keeps its traceback.
 """
 
 import ctypes
 import errno
-import importlib
+import importlib.util
 import os
 import signal
 import sys
@@ -111,9 +111,12 @@ def main(job):
 
 def check_own(job):
     """Raise where the vibrom that runs is not the one beside this workflow."""
+    source = Path(job.scriptdir).parents[1] / "src"
+    if importlib.util.find_spec("vibrom") is None:
+        sys.path.insert(0, str(source))  # an environment for this rule, which has its packages only
     import vibrom
 
-    own, running = Path(job.scriptdir).parents[1] / "src/vibrom", Path(vibrom.__file__).parent
+    own, running = source / "vibrom", Path(vibrom.__file__).parent
     if own.is_dir() and not own.samefile(running):
         raise Foreign(
             f"{running} would run, and not this checkout's {own}; activate the environment of this "
@@ -141,7 +144,7 @@ def told(job):
 def run(job):
     check_own(job)
     given = arguments(job)
-    step = importlib.import_module(f"vibrom.steps.{given.pop('step', job.rule)}")
+    step = importlib.import_module(f"vibrom.steps.{given.pop('step')}")
     if "provenance" in given:
         given["provenance"] = told(job)
     step.run(**given)

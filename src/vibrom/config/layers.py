@@ -11,7 +11,8 @@ from typing import Any, NoReturn
 from vibrom.config import files
 from vibrom.config.errors import SettingsError, closest
 
-COMMAND = "--config"  # stands for a file in an error about a value of the command line
+# These stand for a file in an error about a value of the command line, or of another workflow.
+COMMAND, MODULE = "--config", "config of the module"
 ALL = "all"  # the scenes, in `scene_settings`
 OVER_BLOCKS = ("scene_settings", "method_settings")
 Origin = tuple[str | Path, tuple]  # a file, and the path of a block in it
@@ -69,14 +70,18 @@ class Layers:
 
 
 class Sources:
-    """config.yaml, the files laid over it, and the values of the command line, in this order."""
+    """config.yaml, the files laid over it, and the values of the command line, in this order; or of
+    what else is the `origin` of such values.
+    """
 
-    def __init__(self, paths: Iterable[str | Path], command: Mapping[str, Any]):
+    def __init__(
+        self, paths: Iterable[str | Path], command: Mapping[str, Any], origin: str = COMMAND
+    ):
         self.blocks: list[tuple[str | Path, dict[str, Any]]] = [
             (path, files.read(Path(path))) for path in paths
         ]
         if command:
-            self.blocks.append((COMMAND, _words(dict(command))))
+            self.blocks.append((origin, _words(dict(command))))
 
     def config(self) -> Layers:
         """All but what is laid over scenes and methods."""

@@ -16,7 +16,7 @@ from typing import Any
 from vibrom.config import plugs, reading
 from vibrom.config.check import checked
 from vibrom.config.kinds import Device, Folder, Name, Seed, Several
-from vibrom.config.layers import Layers, Sources
+from vibrom.config.layers import COMMAND, Layers, Sources
 from vibrom.config.method_file import MethodFile
 from vibrom.config.places import FULL_ORDER, UNSEEDED
 from vibrom.config.scene import Block, Scene
@@ -85,12 +85,15 @@ class Settings:
 
 
 def load(
-    folder: Path, files: Iterable[str | Path] = (), command: Mapping[str, Any] | None = None
+    folder: Path,
+    files: Iterable[str | Path] = (),
+    command: Mapping[str, Any] | None = None,
+    origin: str = COMMAND,
 ) -> Settings:
     """The settings of a run: config.yaml of `folder`, with files and then values of the command
-    line laid over it.
+    line, or of another `origin`, laid over it.
     """
-    sources = Sources([folder / "config.yaml", *files], command or {})
+    sources = Sources([folder / "config.yaml", *files], command or {}, origin)
     layers = sources.config()
     config = checked(layers.content, plugs.declared(__name__, "Config"), (), layers.refuse)
     for kind in ("scenes", "methods"):

@@ -27,6 +27,12 @@ def checkpoint(method):
     return path
 
 
+def rules_of_tool(path):
+    """The file of an outside tool: of the working folder, or one that is here."""
+    own = Path(path).absolute()
+    return own if own.is_file() else ROOT / path
+
+
 def of_equations(method):
     """Is it made from the equations of motion, without any motion?"""
     return constants("methods", SETTINGS.kind_of(method))["of_equations"]
