@@ -19,7 +19,6 @@ LONG_FUNCTIONS: dict[str, str] = {}
 # file:function -> why it takes more
 MANY_ARGUMENTS: dict[str, str] = {
     "solvers/full/newmark.py:Newmark.run": "a motion: four are needed, the others have defaults",
-    "steps/ask.py:run": "the named inputs and parameters of a rule",
     "steps/fit.py:run": "the named inputs and parameters of a rule",
 }
 

@@ -92,13 +92,12 @@ class SmallRun:
             for scene in block.get("scenes", self.settings.scenes):
                 self.study(scene, name)
 
-    def step(self, step: str, output: str, path: str, /, **given) -> str:
+    def step(self, step: str, output: str, path: str, /, **given) -> None:
         """One artefact."""
         made = str(self.results / path)
         run = import_module(f"vibrom.steps.{step}").run
         run(**{output: made}, **given, provenance=PROVENANCE)
         self.paths.append(made)
-        return made
 
     def at(self, scene: str, name: str, model: str = "full_order") -> str:
         """Where an artefact lies."""
@@ -133,14 +132,15 @@ class SmallRun:
         if full:
             reads = {need: path for need, path in reads.items() if need not in ("train", "fit")}
         elif asked["truth"]:
-            given["truth"] = self.need(scene, "full_order", asked["truth"])
+            given[f"truth_{name}"] = self.need(scene, "full_order", asked["truth"])
         time = self.settings.scenes[scene].time
         self.step(
             "ask",
-            "output",
+            name,
             f"{scene}/{model}/{name}.nc",
-            name=name,
-            settings=self.settings.scenes[scene].to_builtins()["experiments"].get(name, {}),
+            questions={
+                name: self.settings.scenes[scene].to_builtins()["experiments"].get(name, {})
+            },
             names={"scene": scene, "method": method, "seed": seed},
             samples=time.steps_per_period // time.every,
             structure=self.at(scene, "structure"),

@@ -56,28 +56,29 @@ def paths(tmp_path):
     return found
 
 
-def run(folder, paths, name, **changes):
-    """The stored answer of the model at `paths["rom"]`, answers of its own below `folder`/model."""
-    asked = plug(name)
-    own = {need: str(folder / "model" / f"{need}.nc") for need in asked.reads}
-    reads = {need: paths[need] for need in asked.reads if need in ("train", "test")}
-    reads |= {need: paths["rom"] for need in asked.reads if need == "fit"}
-    reads |= {need: path for need, path in own.items() if need not in reads}
-    truth = {"backbone": own.get("decay")}.get(name) or paths.get(str(asked.truth))
+def run(folder, paths, *names, **changes):
+    """The stored answers of the model at `paths["rom"]`, asked in one job; answers that are read
+    and not asked lie below `folder`/model. Of one question, its answer.
+    """
+    own = {name: str(folder / "model" / f"{name}.nc") for name in plugs.names("experiments")}
+    given = {name: own[name] for name in names}
+    for name in names:
+        for need in plug(name).reads:
+            given[need] = own.get(need) or paths["rom" if need == "fit" else need]
+        if name != "backbone" and str(plug(name).truth) in paths:
+            given[f"truth_{name}"] = paths[str(plug(name).truth)]
     ask.run(
-        output=str(folder / "model" / f"{name}.nc"),
-        name=name,
-        settings=settings(name),
+        questions={name: settings(name) for name in names},
         names=NAMES,
         samples=two_dofs.SAMPLES,
         structure=paths["structure"],
         rom=paths["rom"],
-        truth=None if name == "backbone" else truth,
         integrator=INTEGRATOR,
         provenance={},
-        **(reads | changes),
+        **(given | changes),
     )
-    return open_dataset(folder / "model" / f"{name}.nc", name)
+    found = [open_dataset(own[name], name) for name in names]
+    return found[0] if len(found) == 1 else found
 
 
 def score(answer, name):
@@ -90,6 +91,25 @@ def test_a_stored_answer_has_scores_settings_and_no_bulk(tmp_path, paths):
     assert answer["outcome"].item() == "ok" and score(answer, "nmte_percent") < 0.01
     assert "displacement" not in answer and answer["error"].max() < 1e-4
     assert '"rtol": 1e-08' in answer.attrs["settings"]
+
+
+def test_questions_in_one_job_are_answered_as_one_by_one(tmp_path, paths):
+    """An answer that the next question reads is the one that was just given."""
+    names = ("decay", "backbone", "eigenvalues", "forced", "frc", "run_times")
+    for name in names:
+        run(tmp_path / "alone", paths, name)
+    together = run(tmp_path / "together", paths, *names)
+    for name, answer in zip(names, together):
+        alone = open_dataset(tmp_path / f"alone/model/{name}.nc", name)
+        times = ["seconds", *(key for key in answer if key.endswith("_s"))]
+        times += ["score_value"] if name == "run_times" else []
+        xr.testing.assert_identical(
+            answer.drop_vars(times, errors="ignore").drop_attrs(deep=False),
+            alone.drop_vars(times, errors="ignore").drop_attrs(deep=False),
+        )
+        assert answer.attrs["settings"] == alone.attrs["settings"]
+    assert score(together[-1], "decay_s") == float(together[0]["seconds"])
+    assert score(together[-1], "frc_s") == float(together[4]["seconds"])
 
 
 def test_a_reference_that_stopped_is_no_verdict_on_the_model(tmp_path, paths):

@@ -19,6 +19,7 @@ FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal")
 FITTED_ONCE += ("equations", "equations_orbits", "equations_corrected")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
 EXPERIMENTS += ("branches", "sweeps")
+ASKED = {"answers", "curves"}  # the jobs in which those are asked of a model
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures"}
 COST = {"cost_models", "cost_tables", "cost_figures"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
@@ -200,7 +201,7 @@ def test_editing_a_method_runs_only_its_jobs_again(run):
     # Its variant is fitted by the same code.
     fits, asked = (
         {"fit_ssmlearn": 1, "fit_ssmlearn_11": 1},
-        dict.fromkeys((*EXPERIMENTS, "robustness_model"), 2),
+        dict.fromkeys((*ASKED, "robustness_model"), 2),
     )
     shown = SINKS | COST | TRUST | ROBUSTNESS - {"robustness_model"}
     assert jobs == {**fits, **asked, **dict.fromkeys(shown, 1)}
@@ -213,7 +214,20 @@ def test_a_setting_of_one_method_runs_only_its_jobs_again(run):
     path.write_text(f"{before}settings: {{order: 2}}\n")
     jobs = run.planned()
     path.write_text(before)
-    assert set(jobs) == {"fit_split_plus", *EXPERIMENTS, *COST, *TRUST, *ROBUSTNESS, *SINKS}
+    assert set(jobs) == {"fit_split_plus", *ASKED, *COST, *TRUST, *ROBUSTNESS, *SINKS}
+
+
+def test_experiments_that_are_not_asked_or_read_others_are_not_in_the_shared_job(run):
+    """Each is then a job of its own, or none."""
+    path = run.folder / "fewer.yaml"
+    path.write_text("experiments: [decay, backbone, run_times]\nstudies: null\n")
+    target = "results/folding/ssmlearn/unseeded/run_times.nc"
+    jobs = run.planned("--forceall", target, overlays=(str(path),))
+    asked = {name for name in jobs if not name.startswith(("full_order", "fit", "rec", "rel"))}
+    assert asked == {"structure", "answers", "forced", "frc", "run_times"}
+    path.write_text("experiments: [decay]\nstudies: null\n")
+    jobs = run.planned("--forceall", "scores", overlays=(str(path),))
+    assert jobs["decay"] == len(SEEDED + FITTED_ONCE) and not ASKED & set(jobs)
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(run):
@@ -253,8 +267,8 @@ def test_tables_and_figures_are_targets_of_all_families(run):
         jobs = run.planned("--forceall", target)
         assert {f"{family}_{target}" for family in outputs.families()} <= set(jobs)
     # The study of costs reads answers that are there anyway, and asks for no others.
-    wanted = set(EXPERIMENTS) & set(run.planned("--forceall", "cost"))
-    assert wanted == {"decay", "forced", "frc"}
+    asked = set(run.planned("--forceall", "cost"))
+    assert "answers" in asked and not {"curves", "full_order_branches"} & asked
 
 
 def test_a_new_time_stamp_on_the_shared_script_runs_nothing_again(run):

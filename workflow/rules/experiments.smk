@@ -1,5 +1,6 @@
-# One rule an experiment for the fitted models, and one more where the full-order model is evaluated
-# too. What an experiment reads is said by the constants of its class in src/vibrom/experiments.
+# Experiments on the fitted models, short ones together in one job, and one rule more for each where
+# the full-order model is evaluated too. What an experiment reads is said by the constants of its
+# class in src/vibrom/experiments.
 
 
 include: "planning/experiments.smk"
@@ -8,28 +9,29 @@ include: "planning/experiments.smk"
 # Of the full order: the longest first.
 PRIORITY = {"sweeps": 96, "branches": 94, "frc": 90, "forced": 60}
 
-for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
+for JOB, MEMBERS, WHERE in JOBS:
 
     rule:
         name:
-            EXPERIMENT
+            JOB
         input:
-            **reads(EXPERIMENT, "{method}/{seed}"),
-            **truth(EXPERIMENT),
+            **reads(MEMBERS, "{method}/{seed}"),
+            **truths(MEMBERS),
             structure=rules.structure.output.structure,
             rom="<results>/{scene}/{method}/{seed}/rom.nc",
         output:
-            output=f"<results>/{{scene}}/{{method}}/{{seed}}/{EXPERIMENT}.nc",
+            **{name: f"<results>/{{scene}}/{{method}}/{{seed}}/{name}.nc" for name in MEMBERS},
         log:
-            f"<logs>/{{scene}}/{{method}}/{{seed}}/{EXPERIMENT}.log",
+            f"<logs>/{{scene}}/{{method}}/{{seed}}/{JOB}.log",
         benchmark:
-            f"<benchmarks>/{{scene}}/{{method}}/{{seed}}/{EXPERIMENT}.tsv"
+            f"<benchmarks>/{{scene}}/{{method}}/{{seed}}/{JOB}.tsv"
+        wildcard_constraints:
+            scene="|".join(map(re.escape, WHERE)),
         conda:
             "../../envs/vibrom.yaml"
         params:
             step="ask",
-            name=EXPERIMENT,
-            settings=asked(EXPERIMENT),
+            questions=asked(MEMBERS),
             names=lambda wildcards: {
                 "scene": wildcards.scene,
                 "method": wildcards.method,
@@ -37,12 +39,14 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
             },
             samples=samples,
             integrator=SETTINGS.integrator,
-            provenance=reduced_code(EXPERIMENT),
+            provenance=reduced_code(MEMBERS),
         message:
-            f"{{wildcards.scene}}: {{wildcards.method}} {{wildcards.seed}}: {EXPERIMENT}"
+            f"{{wildcards.scene}}: {{wildcards.method}} {{wildcards.seed}}: {JOB}"
         script:
             "../scripts/step.py"
 
+
+for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
     if not CONSTANTS["of_full_order"]:
         continue
 
@@ -50,10 +54,10 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
         name:
             f"full_order_{EXPERIMENT}"
         input:
-            **reads(EXPERIMENT, settings.FULL_ORDER),
+            **reads([EXPERIMENT], settings.FULL_ORDER),
             structure=rules.structure.output.structure,
         output:
-            output=f"<results>/{{scene}}/full_order/{EXPERIMENT}.nc",
+            **{EXPERIMENT: f"<results>/{{scene}}/full_order/{EXPERIMENT}.nc"},
         log:
             f"<logs>/{{scene}}/full_order/{EXPERIMENT}.log",
         benchmark:
@@ -63,8 +67,7 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
             "../../envs/vibrom.yaml"
         params:
             step="ask",
-            name=EXPERIMENT,
-            settings=asked(EXPERIMENT),
+            questions=asked([EXPERIMENT]),
             names=lambda wildcards: {
                 "scene": wildcards.scene,
                 "method": settings.FULL_ORDER,

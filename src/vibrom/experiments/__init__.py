@@ -12,6 +12,9 @@ A file defines one frozen dataclass below `Experiment`. Its fields are its setti
     of_full_order  whether the full order is evaluated too
     of_model       whether a model is evaluated; False where only other answers are read
     where_set      whether a scene takes part only if its file has a block of the experiment's name
+    job            the job in which a model is asked it together with others: a short answer takes
+                   less than a process of its own; None: a job of its own, and an edit of the
+                   experiment makes no other answer again
 """
 
 from __future__ import annotations
@@ -56,6 +59,7 @@ class Experiment(ABC):
     of_full_order: ClassVar[bool] = True
     of_model: ClassVar[bool] = True
     where_set: ClassVar[bool] = False
+    job: ClassVar[str | None] = None
 
     @abstractmethod
     def ask(self, model: Model, given: Given) -> xr.Dataset:

@@ -28,6 +28,7 @@ class Backbone(Experiment):
     reads = ("decay",)
     truth = "backbone"
     of_model = False
+    job = "answers"
 
     def ask(self, model: Model | None, given: Given) -> xr.Dataset:
         """The backbone at every probe of the model's own decay."""

@@ -52,6 +52,7 @@ class Branches(Experiment):
     }
     truth = "branches"
     where_set = True
+    job = "curves"
 
     def brief(self) -> "Branches":
         """A few points."""

@@ -26,6 +26,7 @@ class Decay(Experiment):
     reads = ("test",)
     truth = "test"
     of_full_order = False  # its decay is the record itself
+    job = "answers"
 
     def brief(self) -> "Decay":
         """One period."""

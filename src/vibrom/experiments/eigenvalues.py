@@ -22,6 +22,7 @@ class Eigenvalues(Experiment):
     """Has no settings."""
 
     scores = {"real_per_s": "1/s", "imaginary_rad_per_s": "rad/s"}
+    job = "answers"
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """All eigenvalues, by falling imaginary part."""

@@ -27,6 +27,7 @@ class Forced(Experiment):
 
     scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
     truth = "forced"
+    job = "answers"
 
     def brief(self) -> "Forced":
         """Two periods."""

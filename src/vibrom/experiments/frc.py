@@ -35,6 +35,7 @@ class ResponseCurve(Experiment):
         "peak_error_percent": "percent",
     }
     truth = "frc"
+    job = "answers"
 
     def brief(self) -> "ResponseCurve":
         """One frequency, one period."""

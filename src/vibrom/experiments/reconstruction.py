@@ -26,6 +26,7 @@ class Reconstruction(Experiment):
     reads = ("test",)
     truth = "test"
     of_full_order = False
+    job = "answers"
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Reduced coordinates of the true motion, and the displacements that they stand for."""

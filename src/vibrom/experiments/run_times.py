@@ -40,6 +40,7 @@ class RunTimes(Experiment):
     }
     reads = ("fit", "decay", "forced", "frc")
     of_model = False
+    job = "answers"
 
     def ask(self, model: Model | None, given: Given) -> xr.Dataset:
         """What did not go all the way has no time: a model that blows up is not a fast one."""

@@ -46,6 +46,7 @@ class Sweeps(Experiment):
     }
     truth = "sweeps"
     where_set = True
+    job = "curves"
 
     def brief(self) -> "Sweeps":
         """Two frequencies, one period each."""

@@ -1,9 +1,14 @@
-"""A model and a question -> the answer's dataset with its scores, whatever becomes of it."""
+"""A model and questions -> the dataset of each answer with its scores, whatever becomes of it.
+
+The model is opened once, and an answer that another question reads is handed on.
+"""
 
 from __future__ import annotations
 
 import importlib
 import json
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -22,41 +27,62 @@ CALLS, ENOUGH = 3, 0.5  # an answer is timed up to three times, or until that to
 
 def run(
     *,
-    output: str,
-    name: str,
-    settings: dict[str, Any],
+    questions: dict[str, dict[str, Any]],
     names: dict[str, Any],
     samples: int,
     structure: str,
     provenance: dict[str, str],
     rom: str | None = None,
-    truth: str | None = None,
     scene: dict[str, Any] | None = None,
     integrator: dict[str, Any] | None = None,
-    **reads: str,
+    **paths: str,
 ) -> None:
-    """`names` are scene, method and seed of the artefact. A fitted model is at `rom`; the full
-    order, which has none, is built from the blocks of `scene`. `reads` are the paths of what the
-    experiment reads, by name.
+    """`questions` are the settings of each experiment, in an order in which answers are made before
+    they are read; `names` are scene, method and seed of the artefacts. A fitted model is at `rom`;
+    the full order, which has none, is built from the blocks of `scene`. `paths` say where each
+    answer is written, by the experiment's name, where its truth is, as `truth_<name>`, and where
+    lies what else is read, by name.
     """
-    question, known = experiment(name, settings), open_dataset(structure, "structure")
+    known = open_dataset(structure, "structure")
     fitted = open_dataset(rom, "rom") if rom else None
-    answers = {key: open_dataset(path, kind(key, fitted is None)) for key, path in reads.items()}
-    true = open_dataset(truth, kind(str(question.truth), False)) if truth else None
-    given = Given(known, samples, answers)
-    outcome, reason = obstacle(question, fitted, answers, true)
+    opened = cache(open_dataset)
+    built = cache(partial(model_of, fitted, known, scene, integrator))
+    answered: dict[str, xr.Dataset] = {}
+    for name, settings in questions.items():
+        question, truth = experiment(name, settings), paths.get(f"truth_{name}")
+        reads = {
+            need: answered[need]
+            if need in answered
+            else opened(paths[need], kind(need, fitted is None))
+            for need in question.reads
+            if need in paths
+        }
+        true = opened(truth, kind(str(question.truth), False)) if truth else None
+        given = Given(known, samples, reads)
+        answer = answer_of(question, built, fitted, given, true)
+        about = json.dumps({"experiment": settings, "integrator": integrator}, sort_keys=True)
+        answered[name] = label(answer, name, settings=about, **names)
+        save_dataset(answered[name], paths[name], provenance)
+
+
+def answer_of(
+    question: Experiment,
+    built: Callable[[], Model],
+    fitted: xr.Dataset | None,
+    given: Given,
+    truth: xr.Dataset | None,
+) -> xr.Dataset:
+    """The scored answer, or an outcome and the reason why there is none."""
+    outcome, reason = obstacle(question, fitted, given.answers, truth)
     if outcome.has_value:
         try:
-            model = built(question, fitted, known, scene, integrator)
-            answer = evaluated(question, model, given, true, warm=fitted is not None)
+            model = built() if question.of_model else None
+            answer = evaluated(question, model, given, truth, warm=fitted is not None)
         except Unsupported as error:
             outcome, reason = Outcome.SKIPPED, str(error)
     if not outcome.has_value:
         answer = unanswered(question, outcome)
-    answer = answer.assign_attrs(reason=reason, answered=int(outcome.has_value))
-    settings = {"experiment": settings, "integrator": integrator}
-    answer = label(answer, name, settings=json.dumps(settings, sort_keys=True), **names)
-    save_dataset(answer, output, provenance)
+    return answer.assign_attrs(reason=reason, answered=int(outcome.has_value))
 
 
 def kind(name: str, of_full_order: bool) -> str:
@@ -71,7 +97,7 @@ def kind(name: str, of_full_order: bool) -> str:
 def obstacle(
     question: Experiment,
     fitted: xr.Dataset | None,
-    answers: dict[str, xr.Dataset],
+    answers: Mapping[str, xr.Dataset],
     truth: xr.Dataset | None,
 ) -> tuple[Outcome, str]:
     """Why the question cannot be evaluated, as an outcome and a reason; OK if nothing stands in its
@@ -93,16 +119,13 @@ def obstacle(
     return Outcome.OK, ""
 
 
-def built(
-    question: Experiment,
+def model_of(
     fitted: xr.Dataset | None,
     known: xr.Dataset,
     scene: dict[str, Any] | None,
     integrator: dict[str, Any] | None,
-) -> Model | None:
+) -> Model:
     """The model, from its own module: code of the other kind is not behind the answer."""
-    if not question.of_model:
-        return None
     if fitted is None:
         return importlib.import_module("vibrom.models.full_order").FullOrder.of_scene(scene, known)
     module = importlib.import_module("vibrom.models.reduced")

@@ -1,4 +1,6 @@
-# What an experiment reads and is given.
+# What an experiment reads and is given, and with which others it is asked in one job.
+from graphlib import CycleError, TopologicalSorter
+from typing import NamedTuple
 
 EXPERIMENTS = {name: constants("experiments", name) for name in names("experiments")}
 RECORDED = ("train", "test")  # decays of the full-order model
@@ -11,35 +13,84 @@ FULL_ORDER_NAMES = (
 )
 
 
-def artefact(experiment, need, model):
+def artefact(need, model):
     """Where `need` lies for the model in this folder; None where the full order has none."""
     if need in RECORDED:
         return f"<results>/{{scene}}/{settings.FULL_ORDER}/{need}.nc"
     if need == "fit":
         return None if model == settings.FULL_ORDER else f"<results>/{{scene}}/{model}/rom.nc"
-    if need not in EXPERIMENTS:
-        known = ", ".join((*RECORDED, "fit", *EXPERIMENTS))
-        sys.exit(
-            f"vibrom: experiments/{experiment}.py: reads {need!r}, which no rule makes; "
-            f"choose from {known}"
-        )
     if model == settings.FULL_ORDER and not EXPERIMENTS[need]["of_full_order"]:
         # Its own answer is what others are compared with: the record.
-        return artefact(experiment, EXPERIMENTS[need]["truth"], model)
+        return artefact(EXPERIMENTS[need]["truth"], model)
     return f"<results>/{{scene}}/{model}/{need}.nc"
 
 
-def reads(experiment, model):
-    """The inputs of an experiment by name, for the model in this folder."""
-    wanted = EXPERIMENTS[experiment]["reads"]
-    found = {need: artefact(experiment, need, model) for need in wanted}
+def in_order():
+    """All experiments, each after those that it reads."""
+    graph = {}
+    for name, constants in EXPERIMENTS.items():
+        for need in (*constants["reads"], constants["truth"]):
+            if need not in (*RECORDED, "fit", *EXPERIMENTS, None):
+                known = ", ".join((*RECORDED, "fit", *EXPERIMENTS))
+                sys.exit(
+                    f"vibrom: experiments/{name}.py: reads {need!r}, which no rule makes; "
+                    f"choose from {known}"
+                )
+        graph[name] = [need for need in constants["reads"] if need in EXPERIMENTS]
+    try:
+        return list(TopologicalSorter(graph).static_order())
+    except CycleError as error:
+        sys.exit(f"vibrom: experiments read one another in a circle: {', '.join(error.args[1])}")
+
+
+class Job(NamedTuple):
+    """Experiments that are asked of a model in one job, each after those that it reads."""
+
+    name: str
+    experiments: tuple
+    scenes: list  # in which it is that job
+
+
+def jobs():
+    """Those that name the same job are asked together where a scene takes part in all of them and
+    they read no answers of other jobs; any other is a job of its own.
+    """
+    found = {}
+    for scene in SCENES:
+        together = {}
+        for name in in_order():
+            job, needs = EXPERIMENTS[name]["job"], set(EXPERIMENTS[name]["reads"])
+            mates = together.setdefault(job, [])
+            joins = job and name in SETTINGS.asked(scene) and needs <= {*mates, *RECORDED, "fit"}
+            (mates if joins else together.setdefault((name,), [])).append(name)
+        for job, members in together.items():
+            if members:
+                key = job if len(members) > 1 else members[0], tuple(members)
+                found.setdefault(key, []).append(scene)
+    named = {}
+    for (name, members), scenes in found.items():
+        name = "_".join([name, *scenes]) if name in named else name
+        named[name] = Job(name, members, scenes)
+    return list(named.values())
+
+
+def reads(experiments, model):
+    """What is read for the experiments of a job and not made there, by name, of the model in this
+    folder.
+    """
+    wanted = [need for name in experiments for need in EXPERIMENTS[name]["reads"]]
+    found = {need: artefact(need, model) for need in wanted if need not in experiments}
     return {need: path for need, path in found.items() if path is not None}
 
 
-def truth(experiment):
-    """What a reduced model's answer is compared with, as the input `truth`."""
-    against = EXPERIMENTS[experiment]["truth"]
-    return {} if against is None else {"truth": artefact(experiment, against, settings.FULL_ORDER)}
+def truths(experiments):
+    """What a reduced model's answers are compared with, as the inputs `truth_<experiment>`."""
+    against = {name: EXPERIMENTS[name]["truth"] for name in experiments}
+    return {
+        f"truth_{name}": artefact(need, settings.FULL_ORDER)
+        for name, need in against.items()
+        if need is not None
+    }
 
 
 def samples(wildcards):
@@ -48,15 +99,18 @@ def samples(wildcards):
     return time["steps_per_period"] // time["every"]
 
 
-def asked(experiment):
-    """The scene's settings of an experiment."""
-    return lambda wildcards: SCENES[wildcards.scene]["experiments"].get(experiment, {})
+def asked(experiments):
+    """The scene's settings of each experiment."""
+    return lambda wildcards: {
+        name: SCENES[wildcards.scene]["experiments"].get(name, {}) for name in experiments
+    }
 
 
-def reduced_code(experiment):
-    """The code of the experiment and of the fitted model."""
+def reduced_code(experiments):
+    """The code of the experiments and of the fitted model."""
+    modules = [f"experiments.{name}" for name in experiments]
     return lambda wildcards: code(
-        "ask", f"experiments.{experiment}", "models.reduced", method_module(wildcards.method)
+        "ask", *modules, "models.reduced", method_module(wildcards.method)
     )
 
 
@@ -65,3 +119,6 @@ def full_order_answer_code(experiment):
     return lambda wildcards: code(
         "ask", f"experiments.{experiment}", "models.full_order", *scene_modules(wildcards)
     )
+
+
+JOBS = jobs()
