@@ -10,10 +10,11 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
-from vibrom.config.kinds import Count, Positive
+from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.measures import nmte_percent
 from vibrom.models.model import Drive, Model, Watch
+from vibrom.models.steady import change, judged, strobe
 
 THIN = 2  # the whole motion is kept at every second of the instants of a period
 
@@ -24,6 +25,7 @@ class Forced(Experiment):
 
     forcing: Positive  # amplitude, times the scene's load
     periods: Count = 200
+    steady: Tolerance = 0.01  # of the amplitude: what the last five periods may still change
 
     scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
     truth = "forced"
@@ -39,7 +41,11 @@ class Forced(Experiment):
         period, total = drive.period[0], self.periods * given.samples
         instants = period * np.arange(0, total + 1, THIN) / given.samples
         last = period * np.arange(total - given.samples, total + 1) / given.samples
-        run = model.motion(at_rest(model), drive, Watch(instants, model.probes), Watch(last))
+        seen = strobe(drive.period, self.periods, given.samples, model.probes)
+        run = model.motion(at_rest(model), drive, Watch(instants, model.probes), Watch(last), seen)
+        largest = np.abs(run.displacement[1][:, :, model.probes]).max(axis=1)
+        changes = change(run.displacement[2], largest, self.periods)
+        ended = judged(run.outcome, changes, self.steady)
         answer = {
             "probe_displacement": variable(
                 ("probe", "time"), run.displacement[0][0].T, "m", "displacement at the probes"
@@ -55,7 +61,10 @@ class Forced(Experiment):
                 (), model.frequency, "rad s-1", "angular frequency of the forcing"
             ),
             "period": variable((), period, "s", "period of the forcing"),
-            **outcome_variables(run.outcome[0], run.failed_at[0], run.seconds),
+            "change": variable(
+                (), changes[0], "1", "change over the last five periods, over the amplitude"
+            ),
+            **outcome_variables(ended[0], run.failed_at[0], run.seconds),
         }
         if run.reduced is not None:
             answer |= {

@@ -12,10 +12,11 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
-from vibrom.config.kinds import Count, Positive
+from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Drive, Model, Watch
+from vibrom.models.steady import change, judged, strobe
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class ResponseCurve(Experiment):
     frequencies: Count = 33  # from the lowest to the highest
     lowest: Positive = 0.8  # times the damped first frequency
     highest: Positive = 1.2  # times the damped first frequency
+    steady: Tolerance = 0.01  # of the amplitude: what the last five periods may still change
 
     scores = {
         "completed": "1",
@@ -48,14 +50,23 @@ class ResponseCurve(Experiment):
         # The instants are those after a step, up to the end, which is also the period's beginning.
         part = np.arange(1, model.samples + 1) / model.samples
         instants = drive.period[:, None] * (self.periods - 1 + part)
-        run = model.motion(at_rest(model, len(frequency)), drive, Watch(instants, model.probes))
+        seen = strobe(drive.period, self.periods, model.samples, model.probes)
+        watch = Watch(instants, model.probes)
+        run = model.motion(at_rest(model, len(frequency)), drive, watch, seen)
+        largest = np.abs(run.displacement[0]).max(axis=1)
+        changes = change(run.displacement[1], largest, self.periods)
         shown = periodic(np.roll(run.displacement[0].transpose(2, 0, 1), 1, axis=-1))
         dims, point = ("probe", "angular_frequency"), "angular_frequency"
         answer = {
             **response(dims, shown),
             "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
             **outcome_variables(Outcome.OK, seconds=run.seconds),
-            "outcome": variable(point, run.outcome, "1", "how the run ended"),
+            "outcome": variable(
+                point, judged(run.outcome, changes, self.steady), "1", "how the run ended"
+            ),
+            "change": variable(
+                point, changes, "1", "change over the last five periods, over the amplitude"
+            ),
             "failed_at": variable(
                 point, run.failed_at, "s", "when the run failed or first left the training range"
             ),

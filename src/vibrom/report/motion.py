@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.outcome import Outcome
 from vibrom.models.rom import rom_from_dataset
 from vibrom.report.collection import FULL_ORDER, Collection, answered, outcome
 from vibrom.report.drawing import body, panels
@@ -38,7 +37,7 @@ def scenes(collection: Collection, scores: Scores) -> dict[str, dict[str, Any]]:
 def of_scene(collection: Collection, scores: Scores, scene: str) -> dict[str, Any] | None:
     """One scene; None where there is no motion to show."""
     structure, truth = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "test"))
-    if structure is None or truth is None or outcome(truth) is not Outcome.OK:
+    if structure is None or truth is None or not outcome(truth).has_value:
         return None
     loops = body.outline(structure)
     nodes, side = np.concatenate(loops), body.longest_side(structure)

@@ -25,7 +25,6 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.identity import differences
-from vibrom.artefacts.outcome import Outcome
 from vibrom.config import plugs
 from vibrom.report import curves, robustness
 from vibrom.report.branches import landmark
@@ -203,7 +202,7 @@ def released(scene: str, role: str, probe: str, collection: Collection) -> float
 def largest_tip(forced) -> float:
     """Over the last period [m]; NaN where the run did not reach it."""
     motion = None if forced is None else at_probe(forced, "probe_displacement", "tip")
-    if motion is None or outcome(forced) is not Outcome.OK:
+    if motion is None or not outcome(forced).has_value:
         return np.nan
     last = forced["time"].values >= forced["last_time"].values[0] - 1e-9
     return float(np.abs(motion[last]).max())
