@@ -122,7 +122,11 @@ def test_response_curves_have_one_row_a_point_with_value_or_outcome(made):
     assert dict(lost["outcome"].value_counts()) == {"training_diverged": 9, "diverged": 2 * 3}
     assert lost.loc[lost["outcome"] == "diverged", "failed_at_s"].notna().all()
     assert list(lost.loc[lost["outcome"] == "training_diverged", "seed"].unique()) == [1]
-    assert set(frame[frame["probe_amplitude_m"].notna()]["outcome"]) <= {"ok", "left_range"}
+    assert set(frame[frame["probe_amplitude_m"].notna()]["outcome"]) <= {
+        "ok",
+        "left_range",
+        "not_steady",
+    }
 
 
 def test_half_the_range_is_shown_where_the_artefact_has_it(made, collection):

@@ -25,7 +25,7 @@ class Forced(Experiment):
 
     forcing: Positive  # amplitude, times the scene's load
     periods: Count = 200
-    steady: Tolerance = 0.01  # of the amplitude: what the last five periods may still change
+    steady: Tolerance = 0.001  # of the amplitude: what the last quarter of a run may still change
 
     scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
     truth = "forced"
@@ -62,7 +62,7 @@ class Forced(Experiment):
             ),
             "period": variable((), period, "s", "period of the forcing"),
             "change": variable(
-                (), changes[0], "1", "change over the last five periods, over the amplitude"
+                (), changes[0], "1", "change in the last quarter of the run, over the amplitude"
             ),
             **outcome_variables(ended[0], run.failed_at[0], run.seconds),
         }

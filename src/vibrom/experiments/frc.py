@@ -28,7 +28,7 @@ class ResponseCurve(Experiment):
     frequencies: Count = 33  # from the lowest to the highest
     lowest: Positive = 0.8  # times the damped first frequency
     highest: Positive = 1.2  # times the damped first frequency
-    steady: Tolerance = 0.01  # of the amplitude: what the last five periods may still change
+    steady: Tolerance = 0.001  # of the amplitude: what the last quarter of a run may still change
 
     scores = {
         "completed": "1",
@@ -65,7 +65,7 @@ class ResponseCurve(Experiment):
                 point, judged(run.outcome, changes, self.steady), "1", "how the run ended"
             ),
             "change": variable(
-                point, changes, "1", "change over the last five periods, over the amplitude"
+                point, changes, "1", "change in the last quarter of the run, over the amplitude"
             ),
             "failed_at": variable(
                 point, run.failed_at, "s", "when the run failed or first left the training range"

@@ -29,6 +29,7 @@ THESIS = (
 )
 CONVERGED = Column("converged_nmte_percent", "NMTE, converged [%]", spread=True)
 AMPLITUDE = Column("amplitude_error_percent", "Amplitude error [%]", spread=True)
+CHANGE = Column("change", optional=True)  # of a forced run in its last quarter, largest over seeds
 TIMES = (
     Column("failed_at_s", "First failure [s]"),
     Column("left_range_at_s", "Left range [s]"),
@@ -50,7 +51,7 @@ def rows(
         row = {"case": scene, "method": model, "seeds": len(collection.seeds(scene, model))}
         if model == FULL_ORDER:
             run = collection.find(scene, FULL_ORDER, reference)
-            zero = ZERO if outcome(run) is Outcome.OK else NO_SPREAD
+            zero = ZERO if outcome(run).has_value else NO_SPREAD
             row |= zero.columns("nmte_percent") | zero.columns("amplitude_error_percent")
             own = float(scalar(run, "converged_nmte"))
             row |= Spread(own, own, own).columns("converged_nmte_percent")
@@ -71,6 +72,10 @@ def rows(
             row |= {"thesis_percent": published, "thesis_outcome": verdict}
             row |= {"outcome": endings(collection, scores, scene, model, experiment)}
             row |= first_times(collection.every(scene, model, experiment))
+        runs = collection.every(scene, model, experiment)
+        row["change"] = np.fmax.reduce(
+            [float(scalar(run, "change")) for run in runs], initial=np.nan
+        )
         made.append({name: row[name] for name in names if name in row})
     return made
 

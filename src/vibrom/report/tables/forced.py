@@ -6,7 +6,10 @@ in parentheses; for the NMTE a failed seed counts as infinitely wrong, the ampli
 out, and the outcome says how the seeds ended. "fails" is what the thesis prints.
 
 The first failure is the earliest time at which a seed failed. A seed that only left the range of
-its training data still has a value: the earliest such time has a column of its own.
+its training data still has a value: the earliest such time has a column of its own. A seed that is
+``not_steady`` has a value too, of a response that still changed by more than the scene's tolerance
+(``experiments.forced.steady``) in the last quarter of its run; the .csv says by how much of the
+amplitude (``change``).
 """
 
 from vibrom.report import errors
@@ -23,6 +26,7 @@ COLUMNS = (
     SEEDS,
     OUTCOME,
     *errors.TIMES,
+    errors.CHANGE,
 )
 
 

@@ -9,6 +9,9 @@ largest value of y, with its sign, in the last period.
 The .csv of this table has every point: amplitude of probe and tip, phase, outcome, time of
 failure, and, where the artefact has it, half the distance from the smallest to the largest value
 of the probe (``probe_half_range_m``), which is the amplitude of a motion that is not about y = 0.
+Points that are ``not_steady`` count with their value; it still changed by more than the scene's
+tolerance (``experiments.frc.steady``) in the last quarter of the run, and the .csv says by how much
+of the amplitude (``change``).
 """
 
 import numpy as np
@@ -31,6 +34,7 @@ COLUMNS = (
     OUTCOME,
     *hidden("failed_at_s"),
     Column("probe_half_range_m", optional=True),
+    Column("change", optional=True),
 )
 SUMMARY = (
     CASE,
@@ -68,6 +72,7 @@ def points(whose: dict, curve: xr.Dataset, truth: xr.Dataset | None) -> list[dic
         "tip_amplitude_m": at_probe(curve, "amplitude", "tip"),
         "phase_rad": at_probe(curve, "phase"),
         "failed_at_s": curve["failed_at"].values,
+        "change": curve["change"].values if "change" in curve else None,
     }
     if not answered(curve):
         values |= dict.fromkeys(values, np.nan) | {"failed_at_s": curve["failed_at"].values}
