@@ -78,6 +78,7 @@ rule all:
         rules.figures.input,
         rules.report.output,
         rules.tracking.output,
+        rules.crate.output,
         rules.headline.output,
     localrule: True
     message:

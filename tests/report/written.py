@@ -37,4 +37,4 @@ def write(small, folder: Path) -> None:
     kept = {"scores": str(folder / "scores.csv"), "tables": written, "figures": pictures[:1]}
     tracking.run(store=store, artifacts=artifacts, **kept, **common)
     end = {"report": str(folder / "report.html"), "headline": str(folder / "headline.txt")}
-    headline.run(store=store, **end, **common)
+    headline.run(store=store, crate=str(folder / "ro-crate-metadata.json"), **end, **common)

@@ -9,6 +9,7 @@ import shutil
 import numpy as np
 import pytest
 from project_copy import ROOT, command, copy
+from rocrate.rocrate import ROCrate
 
 from vibrom.artefacts.data import KINDS, open_dataset
 from vibrom.config import plugs
@@ -23,7 +24,8 @@ ASKED = {"answers", "curves"}  # the jobs in which those are asked of a model
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures"}
 COST = {"cost_models", "cost_tables", "cost_figures"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
-SINKS = {"scores", "models_tables", "models_figures", "report", "tracking", "headline", "all"}
+SINKS = {"scores", "models_tables", "models_figures", "report", "tracking", "crate"}
+SINKS |= {"headline", "all"}
 
 
 class Run:
@@ -64,6 +66,19 @@ def run(tmp_path_factory):
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
     made.answer = answer
     return made
+
+
+def test_the_run_says_what_was_made_from_what(run):
+    described = ROCrate(str(run.results))
+    action = described.get("#made/folding/split/seed_0/decay.nc")
+    files = {one.id for one in action["object"] if one.type == "File"}
+    own = {"folding/split/seed_0/rom.nc", "folding/full_order/structure.nc"}
+    assert own | {"folding/full_order/test.nc"} <= files
+    (settings,) = (one for one in action["object"] if one.type == "PropertyValue")
+    assert json.loads(settings["value"])["integrator"]["rtol"] == 1e-4
+    every = {str(path.relative_to(run.results)) for path in run.contents()}
+    kept = {name for name in every if not name.startswith("mlflow_artifacts")}
+    assert kept <= {entity.id for entity in described.data_entities}
 
 
 def test_every_artefact_is_there_and_says_what_made_it(run):

@@ -68,12 +68,37 @@ rule tracking:
         "../scripts/step.py"
 
 
+rule crate:
+    input:
+        artefacts=all_artefacts(),
+        shown=[
+            *files("tables", forms=["csv"]),
+            *files("figures", forms=["pdf"]),
+            rules.scores.output.scores,
+            rules.report.output.report,
+        ],
+    output:
+        crate="<results>/ro-crate-metadata.json",
+    log:
+        "<logs>/crate.log",
+    conda:
+        "../../envs/vibrom.yaml"
+    params:
+        step="crate",
+        provenance=code("crate"),
+    message:
+        "what was made from what"
+    script:
+        "../scripts/step.py"
+
+
 rule headline:
     input:
         artefacts=FAMILIES["models"].artefacts,
         report=rules.report.output.report,
         # Last of all: what it prints is the end of the run.
         store=rules.tracking.output.store,
+        crate=rules.crate.output.crate,
     output:
         headline="<results>/headline.txt",
     log:

@@ -12,8 +12,16 @@ from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
 
 
-def run(*, artefacts: list[str], report: str, store: str, headline: str, provenance: dict) -> None:
-    """Report and MLflow's store are named in it, and everything that lies beside them."""
+def run(
+    *,
+    artefacts: list[str],
+    report: str,
+    store: str,
+    crate: str,
+    headline: str,
+    provenance: dict,
+) -> None:
+    """It names the report, MLflow's store, what was made from what, and the folders beside them."""
     collection = Collection.at(artefacts)
     scores = Scores.of(collection)
     made = {name: tables.make(name, collection, scores) for name in numbers.TABLES}
@@ -23,6 +31,7 @@ def run(*, artefacts: list[str], report: str, store: str, headline: str, provena
         "Tables": str(folder / "tables"),
         "Scores": str(folder / "scores.csv"),
         "MLflow": tracking.command(store),
+        "Provenance": crate,
     }
     write(headline, numbers.text(made, places))
     numbers.show(made, places, Console())
