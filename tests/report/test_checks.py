@@ -191,6 +191,32 @@ def test_a_cell_has_a_value_or_a_word(collection, scores):
     assert len(rows) == 2 * 4 * 2 and {row["met"] for row in rows} == {"yes"}
 
 
+def test_what_no_method_was_asked_is_not_missed(real):
+    """The full order's runs are part of every run."""
+    kept = Collection(
+        {
+            key: made
+            for key, made in real.loaders.items()
+            if key.model == "full_order" or key.name in ("rom", "losses", "decay")
+        }
+    )
+    made = tables.make("checks", kept, Scores.of(kept)).rows
+    missed = {
+        (row["method"], row["quantity"]) for row in made if "cells without" in row["quantity"]
+    }
+    assert {method for method, _ in missed} == {"full_order"}
+    lost = [key for key in real.loaders if key.model == "split" and key.name == "forced"][0]
+    less = Collection({key: made for key, made in real.loaders.items() if key != lost})
+    rows = tables.make("checks", less, Scores.of(less)).rows
+    quantity = "forced, cells without value or outcome"
+    (row,) = (
+        one
+        for one in rows
+        if one["quantity"] == quantity and one["method"] == "split" and one["case"] == lost.scene
+    )
+    assert row["value"] == 1.0 and row["met"] == "no"
+
+
 def test_bounds():
     assert promises.within(10.0, 1.0).met(10.1) and not promises.within(10.0, 1.0).met(10.11)
     assert promises.at_most(2.0).met(2.0) and not promises.below(2.0).met(2.0)

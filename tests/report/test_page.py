@@ -160,6 +160,14 @@ def test_the_headline_gives_ours_beside_the_thesis_and_where_to_look(made, real)
     assert "Checks " in text and str(made / "report.html") in text and "make ui RESULTS=" in text
 
 
+def test_the_headline_leaves_out_what_no_method_was_asked():
+    rows = [{"case": "small", "method": "split"}]
+    cell = numbers.grid(rows, lambda _: "not run (4.2)")
+    assert not numbers.asked(cell)
+    assert numbers.asked(numbers.grid(rows, lambda _: "diverged (4.2)"))
+    assert not numbers.asked(numbers.grid([], str))
+
+
 def table_of(outcomes, **changes):
     """A table of errors of one method, a case an outcome."""
     rows = [

@@ -95,7 +95,7 @@ def checks(rows: Iterable[Row]) -> list[str]:
 
 
 def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
-    """Title -> table, of the tables that the run has."""
+    """Title -> table, of the tables that the run has and in which a method was asked something."""
     rows = {name: made.rows for name, made in tables.items()}
     made = {
         "Decay: NMTE in %, median over seeds (thesis)": ("decay", error),
@@ -109,7 +109,14 @@ def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
             cost(rows.get("run_times", [])),
         ),
     }
-    return {title: grid(rows[name], cell) for title, (name, cell) in made.items() if rows.get(name)}
+    grids = {title: grid(rows.get(name, []), cell) for title, (name, cell) in made.items()}
+    return {title: frame for title, frame in grids.items() if asked(frame)}
+
+
+def asked(frame: pd.DataFrame) -> bool:
+    """Does a cell say more than that there was nothing to say?"""
+    cells = frame.iloc[:, 1:].to_numpy(str).ravel()
+    return not all(cell.startswith(("not run", GONE)) for cell in cells)
 
 
 def show(tables: Mapping[str, Table], places: dict[str, str], console: Console) -> None:

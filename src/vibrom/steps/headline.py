@@ -31,7 +31,7 @@ def run(
         "Tables": str(folder / "tables"),
         "Scores": str(folder / "scores.csv"),
         "MLflow": tracking.command(store),
-        "Provenance": crate,
+        "Origin": crate,
     }
     write(headline, numbers.text(made, places))
     numbers.show(made, places, Console())

@@ -212,11 +212,12 @@ def complete(
     scene: str, model: str, collection: Collection, scores: Scores
 ) -> Iterator[tuple[promises.Promise, float]]:
     """How many seeds (forced) or points (frc) of a model have no value, though no outcome says why;
-    of a model without seeds all are lost (NaN).
+    of a model without seeds all are lost (NaN). What no method was asked is not lost.
     """
-    seeds = collection.seeds(scene, model)
+    seeds, full = collection.seeds(scene, model), model == FULL_ORDER
+    asked = {key.name for key in collection.loaders if (key.model == FULL_ORDER) == full}
     for experiment in ("forced", "frc"):
-        if experiment in {key.name for key in collection.loaders}:
+        if experiment in asked:
             quantity = f"{experiment}, cells without value or outcome"
             promise = promises.Promise(
                 model, quantity, (), "1", promises.ZERO, promises.PROMISE, set()
