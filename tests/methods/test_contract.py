@@ -4,7 +4,7 @@ A file in src/vibrom/methods is tested by lying there. One more is the example o
 functions, and no compiled code.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import product
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from vibrom.methods import method_from_settings
 from vibrom.models.measures import nmte_percent
 from vibrom.models.rollout import Drive, Integrator, rollout
 from vibrom.models.rom import Guards, Rom, rom_from_dataset
-from vibrom.models.training import Clock, MethodError, Training, Unsupported
+from vibrom.models.training import Clock, MethodError, Training, Underdetermined, Unsupported
 
 FILES = Path(__file__).parents[2] / "config/methods"
 EXAMPLE = "example of docs"
@@ -76,6 +76,22 @@ def fits(beam, example):
 @pytest.fixture(params=NAMES)
 def fit(request, fits):
     return fits(request.param)
+
+
+@pytest.mark.parametrize("name", plugs.names("methods"))
+@pytest.mark.parametrize("samples", [2, 200])
+def test_two_samples_determine_no_polynomials(fits, name, beam, samples):
+    """Once, or a hundred times each."""
+    fit, motion = fits(name), beam.trajectory
+    if fit.method.of_equations:
+        return
+    kept = np.tile([0, 10], samples // 2)
+    few = replace(
+        motion,
+        **{item.name: getattr(motion, item.name)[kept] for item in fields(motion)},
+    )
+    with pytest.raises(Underdetermined, match="coefficients|terms"):
+        fit.method.fit(replace(fit.training, trajectories=(few,)))
 
 
 def states(rom, count=6):

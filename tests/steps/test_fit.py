@@ -132,7 +132,13 @@ def test_data_at_rest_are_one_line(folder):
         run(folder)
 
 
-def test_more_coefficients_than_samples_are_one_line(folder):
-    changed(folder, lambda train: train.isel(time=slice(0, 20)))
-    with pytest.raises(MethodError, match="54 coefficients cannot be fitted to 20 samples"):
-        run(folder, settings={"order": 9})
+@pytest.mark.parametrize("repeats", [1, 20])
+def test_data_that_do_not_determine_a_model_are_an_outcome(folder, repeats):
+    """Twenty samples determine twenty of 54 coefficients, repeated or not."""
+    changed(folder, lambda train: train.isel(time=np.tile(np.arange(20), repeats)))
+    rom, _ = run(folder, settings={"order": 9})
+    assert rom["outcome"].item() == "underdetermined" and "encoder" not in rom
+    assert rom.attrs["reason"] == (
+        f"of 54 coefficients the {20 * repeats} samples determine 20; lower the order, or give "
+        "data that differ more from one another"
+    )

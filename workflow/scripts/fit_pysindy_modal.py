@@ -19,6 +19,10 @@ import xarray as xr
 from scipy.sparse import csr_matrix
 
 
+class NoModel(Exception):
+    """An outcome of the workflow's, and the reason."""
+
+
 def modal(structure, modes):
     """Phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]."""
     phi = structure["mode_shape"].values[:modes]
@@ -40,19 +44,23 @@ def fit(structure, train, *, modes, degree, threshold):
     decoder = np.kron(np.eye(2), phi.T) * scale
     mapped = time.perf_counter()
     library = pysindy.PolynomialLibrary(degree=degree, include_bias=False)
+    terms = np.asarray(library.fit_transform(z / scale))
+    rank = np.linalg.matrix_rank(terms / np.linalg.norm(terms, axis=0))
+    samples, count = terms.shape
+    if rank < count:
+        raise NoModel(
+            "underdetermined",
+            f"of {count} coefficients the {samples} samples determine {rank}; lower degree, or "
+            "give data that differ more from one another",
+        )
     model = pysindy.SINDy(
         optimizer=pysindy.STLSQ(threshold=threshold, alpha=0.0), feature_library=library
     )
-    library.fit(z[:1])
-    if len(z) < library.n_output_features_:
-        complain(
-            f"pysindy_modal: {library.n_output_features_} coefficients cannot be fitted to "
-            f"{len(z)} samples; lower degree, or record more samples"
-        )
     model.fit(z / scale, t=train["time"].values * frequency[0], x_dot=rate / (scale * frequency[0]))
-    if not model.coefficients()[modes:].any():
-        complain(
-            f"pysindy_modal: threshold = {threshold:g} removes every term of the dynamics; lower it"
+    if not model.coefficients().any(axis=1).all():
+        raise NoModel(
+            "no_terms",
+            f"threshold = {threshold:g} removes every term of the rate of a coordinate; lower it",
         )
     arrays = {
         "reach": (
@@ -163,9 +171,15 @@ def main(job):
     train = read(job.input.train, "trajectory", scene)
     asked = {key: value for key, value in job.params.items() if key != "provenance"}
     made_from = {"structure": structure.attrs["content"], "train": train.attrs["content"]}
-    arrays, mapping, dynamics = fit(structure, train, **settings)
+    outcome, reason, own = "ok", "", {"rom": job.params.rom_class}
+    began = time.perf_counter()
+    try:
+        arrays, mapping, dynamics = fit(structure, train, **settings)
+    except NoModel as without:
+        outcome, reason = without.args
+        arrays, mapping, dynamics, own = {}, time.perf_counter() - began, 0.0, {}
     arrays |= {
-        "outcome": ((), "ok", "how the fit ended", "1"),
+        "outcome": ((), outcome, "how the fit ended", "1"),
         "data_seconds": ((), float(train["seconds"]), "wall time of the training data", "s"),
         "mapping_seconds": ((), mapping, "wall time of obtaining the mapping", "s"),
         "dynamics_seconds": ((), dynamics, "wall time of obtaining the dynamics", "s"),
@@ -174,19 +188,15 @@ def main(job):
         "scene": scene,
         "method": "pysindy_modal",
         "seed": -1,
-        "reason": "",
+        "reason": reason,
         "settings": json.dumps(settings, sort_keys=True),
         "asked": json.dumps(asked, sort_keys=True),
         "made_from": json.dumps(made_from, sort_keys=True),
         **job.params.provenance,
     }
     title = f"pysindy_modal in scene {scene}"
-    save(
-        dataset(
-            arrays, kind="rom", rom=job.params.rom_class, title=f"vibrom rom: {title}", **shared
-        ),
-        job.output.rom,
-    )
+    rom = dataset(arrays, kind="rom", title=f"vibrom rom: {title}", **own, **shared)
+    save(rom, job.output.rom)
     # Nothing is trained epoch by epoch: the loss history is empty.
     losses = {
         name: (("epoch",), np.zeros(0), words, "1")

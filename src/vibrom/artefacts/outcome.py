@@ -50,6 +50,13 @@ class Outcome(StrEnum):
     STEP_UNDERFLOW = "step_underflow", False, Severity.FAILURE, "the time step became too small"
     NO_CONVERGENCE = "no_convergence", False, Severity.FAILURE, "an implicit step did not converge"
     NO_EQUILIBRIUM = "no_equilibrium", False, Severity.FAILURE, "no static equilibrium was found"
+    UNDERDETERMINED = (
+        "underdetermined",
+        False,
+        Severity.FAILURE,
+        "its data do not determine its coefficients",
+    )
+    NO_TERMS = "no_terms", False, Severity.FAILURE, "no term of its dynamics is left"
     TRAINING_DIVERGED = "training_diverged", False, Severity.FAILURE, "the training diverged"
     REFERENCE_FAILED = (
         "reference_failed",

@@ -17,8 +17,9 @@ from vibrom.latent import coordinates
 from vibrom.latent.autoencoder_rom import AutoencoderRom
 from vibrom.latent.coordinates import Coordinates
 from vibrom.latent.networks import Network
+from vibrom.latent.polynomial import check_determined
 from vibrom.models.method import Method
-from vibrom.models.training import MethodError, Training
+from vibrom.models.training import MethodError, Training, Underdetermined
 
 if TYPE_CHECKING:
     from vibrom.latent.autoencoder import Autoencoder
@@ -148,10 +149,11 @@ class AutoencoderMethod(Method):
         straight = coordinates.linear_parts(training, chosen, stack[0], self.linear, self.latent)
         samples, terms = stack.shape[1], comb(2 * self.latent + self.order, self.order) - 1
         if samples < terms:
-            raise MethodError(
+            raise Underdetermined(
                 f"every = {self.every} leaves {samples} samples to train on, fewer than the "
                 f"{terms} terms of dynamics of order = {self.order}; lower one, or record more"
             )
+        check_determined(np.hstack([part @ straight[0].T for part in stack[:2]]), self.order)
         device, dtype = pick_device(training.device), getattr(torch, self.precision)
         encoder, decoder = (
             None if self.linear == "none" else torch.tensor(part, dtype=dtype, device=device)

@@ -11,7 +11,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from vibrom.models.training import MethodError
+from vibrom.models.training import Underdetermined
 
 
 @lru_cache(maxsize=64)
@@ -59,15 +59,24 @@ def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
     """R (m, l) that minimises |target - library R'|; library (samples, l), target (samples, m).
 
     Columns are scaled to unit length first, so that the rank decision of the SVD does not depend on
-    the units of the variables.
+    the units of the variables. Underdetermined where the rank is below l: few samples, samples that
+    repeat one another, or motions along fewer directions than there are variables. What the SVD
+    would return then, the shortest of all that fit, is no model of anything.
     """
     samples, terms = library.shape
-    if samples < terms:
-        raise MethodError(
-            f"{terms} coefficients cannot be fitted to {samples} samples; lower the order, or give "
-            "more samples"
-        )
     size = np.linalg.norm(library, axis=0)
     size[size == 0.0] = 1.0
-    solution, *_ = np.linalg.lstsq(library / size, target, rcond=None)
+    solution, _, rank, _ = np.linalg.lstsq(library / size, target, rcond=None)
+    if rank < terms:
+        raise Underdetermined(
+            f"of {terms} coefficients the {samples} samples determine {rank}; lower the order, or "
+            "give data that differ more from one another"
+        )
     return (solution / size[:, None]).T
+
+
+def check_determined(y: np.ndarray, order: int) -> None:
+    """Underdetermined where samples y (m, dimension) do not determine a polynomial of this order
+    without a constant.
+    """
+    least_squares(monomials(y / np.abs(y).max(), exponents(y.shape[1], 1, order)), y)

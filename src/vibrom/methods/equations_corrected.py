@@ -20,6 +20,7 @@ from scipy.signal import convolve2d
 
 from vibrom.config.kinds import Whole
 from vibrom.latent.manifold_rom import ManifoldRom
+from vibrom.latent.polynomial import least_squares
 from vibrom.models.method import Method
 from vibrom.models.training import MethodError, Training
 
@@ -62,7 +63,7 @@ class EquationsCorrected(Method):
             powers = x[:, None] ** np.arange(self.order + 1)
             integral = cumulative_trapezoid(powers, time, axis=0, initial=0.0)
             rows.append(np.hstack([np.tile(constant, (len(time), 1)), integral]))
-        found = np.linalg.lstsq(np.concatenate(rows), np.concatenate(right), rcond=None)[0]
+        found = least_squares(np.concatenate(rows), np.concatenate(right)[:, None])[0]
         return found[len(motions) :]
 
 

@@ -24,6 +24,10 @@ class Unsupported(MethodError):
     """A fitted model has no such guard, integrator or force map: an answer is missing, no error."""
 
 
+class Underdetermined(MethodError):
+    """The data do not determine what is fitted to them; the message has the numbers."""
+
+
 class TrainingDiverged(RuntimeError):
     """The loss became non-finite; says at which epoch."""
 

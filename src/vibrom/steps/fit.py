@@ -29,6 +29,7 @@ from vibrom.models.training import (
     Monitor,
     Training,
     TrainingDiverged,
+    Underdetermined,
     Unsupported,
 )
 
@@ -201,6 +202,8 @@ def fit_or_reason(
         return Fitted(xr.Dataset(), Outcome.TRAINING_DIVERGED, str(diverged))
     except Unsupported as error:
         return Fitted(xr.Dataset(), Outcome.SKIPPED, str(error))
+    except Underdetermined as error:
+        return Fitted(xr.Dataset(), Outcome.UNDERDETERMINED, str(error))
     except MethodError as error:
         where = f"{recipe.method} in scene {recipe.scene}"
         raise MethodError(f"{where}: {error}") from error

@@ -20,7 +20,14 @@ from vibrom.models.full_order import FullOrder
 from vibrom.models.method import Method
 from vibrom.models.recorded import structure, trajectory
 from vibrom.models.rom import Rom, rom_from_dataset
-from vibrom.models.training import Clock, MethodError, Training, TrainingDiverged, Trajectory
+from vibrom.models.training import (
+    Clock,
+    MethodError,
+    Training,
+    TrainingDiverged,
+    Trajectory,
+    Underdetermined,
+)
 from vibrom.studies import Case, Fitted
 from vibrom.studies.parts.timing import Measured, repeated
 from vibrom.term import Term
@@ -127,6 +134,8 @@ class Fits:
             rom, total, fits = repeated(call, self.repeats, self.patience)
         except TrainingDiverged:
             return replace(fit, outcome=Outcome.TRAINING_DIVERGED)
+        except Underdetermined:
+            return replace(fit, outcome=Outcome.UNDERDETERMINED)
         dynamics = median(clock.spent("dynamics") for clock in clocks)
         mapping = fit.mapping + total - dynamics
         return replace(fit, rom=rom, mapping=mapping, dynamics=dynamics, fits=fits)

@@ -24,7 +24,7 @@ from vibrom.models.recorded import structure, trajectory
 from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Rom, rom_from_dataset
-from vibrom.models.training import MethodError, Training
+from vibrom.models.training import MethodError, Training, Underdetermined
 from vibrom.studies import Case, Fitted
 from vibrom.studies.parts import grid
 from vibrom.studies.parts.records import Column, stacked, text
@@ -143,7 +143,9 @@ def guarded(study: Robustness, case: Case) -> tuple[dict[str, Rom | Outcome], di
         try:
             made = rom.guarded(settings, training)
         except MethodError as error:
-            models[guard], reasons[guard] = Outcome.UNSUPPORTED, str(error)
+            short = isinstance(error, Underdetermined)
+            models[guard] = Outcome.UNDERDETERMINED if short else Outcome.UNSUPPORTED
+            reasons[guard] = str(error)
             continue
         alike = [one for one in distinct if one is made or same(one, made)]
         distinct += [] if alike else [made]
