@@ -91,7 +91,7 @@ def test_two_samples_determine_no_polynomials(fits, name, beam, samples):
         **{item.name: getattr(motion, item.name)[kept] for item in fields(motion)},
     )
     with pytest.raises(Underdetermined, match="coefficients|terms"):
-        fit.method.fit(replace(fit.training, trajectories=(few,)))
+        fit.method.fit(replace(fit.training, trajectories=(few,), monitor=Clock()))
 
 
 def states(rom, count=6):

@@ -153,7 +153,8 @@ class AutoencoderMethod(Method):
                 f"every = {self.every} leaves {samples} samples to train on, fewer than the "
                 f"{terms} terms of dynamics of order = {self.order}; lower one, or record more"
             )
-        check_determined(np.hstack([part @ straight[0].T for part in stack[:2]]), self.order)
+        leading = np.linalg.svd(stack[0], full_matrices=False)[2][: self.latent]
+        check_determined(np.hstack([part @ leading.T for part in stack[:2]]), self.order)
         device, dtype = pick_device(training.device), getattr(torch, self.precision)
         encoder, decoder = (
             None if self.linear == "none" else torch.tensor(part, dtype=dtype, device=device)
