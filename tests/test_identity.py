@@ -154,3 +154,17 @@ def test_the_model_of_a_stranger_runs_no_code_but_that_of_known_classes(named):
     with pytest.raises(DataError, match="names no model class of vibrom"):
         rom_from_dataset(stranger)
     assert "antigravity" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    "made_by, read",
+    [("0.1.0", False), ("0.2.0.dev0", True), ("0.10.3", True), ("1.0", True), (None, True)],
+)
+def test_artefacts_of_versions_that_stored_other_things_are_refused(place, made_by, read):
+    versions = {} if made_by is None else {"vibrom": made_by}
+    save_dataset(release(), place, {"versions": json.dumps(versions)})
+    if read:
+        open_dataset(place, "release")
+    else:
+        with pytest.raises(DataError, match="made by vibrom 0.1.0, .* from version 0.2 on"):
+            open_dataset(place, "release")

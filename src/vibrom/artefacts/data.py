@@ -121,6 +121,7 @@ def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError, RuntimeError) as error:
         raise identity.unreadable(path, error) from error
+    identity.check_version(path, dataset.attrs)
     check(dataset, kind, str(path))
     identity.check_place(path, dataset.attrs)
     identity.check_content(path, dataset)

@@ -27,6 +27,7 @@ ROLES = ("train", "test")  # artefacts that are named by their role, and not by 
 SEED_FOLDER = re.compile(rf"{UNSEEDED}|seed_(\d+)")
 DERIVED = ("provenance", "checkpoint")  # parameters that say nothing of what is asked
 AGAIN = "delete it and run again"
+OLDEST = (0, 2)  # version whose artefacts are read; see CHANGELOG.md
 STALE = {
     "asked": "made with other settings",
     "source_digest": "made by other code",
@@ -68,6 +69,20 @@ def check_place(path: str | Path, attributes: Mapping[str, Any]) -> None:
     for key, wanted in place(path).items():
         if (found := np.asarray(attributes.get(key)).tolist()) != wanted:
             raise DataError(f"{path}: {key} is {found!r}, but {wanted!r} belongs here; {AGAIN}")
+
+
+def check_version(path: str | Path, attributes: Mapping[str, Any]) -> None:
+    """Raise `DataError` for an artefact of a version of vibrom that stored other things. One that
+    an outside tool wrote names none, and is judged by what it holds.
+    """
+    made_by = str(json.loads(attributes.get("versions", "{}")).get("vibrom", ""))
+    number = tuple(int(part) for part in re.findall(r"\d+", made_by)[:2])
+    if number and number < OLDEST:
+        oldest = ".".join(map(str, OLDEST))
+        raise DataError(
+            f"{path}: made by vibrom {made_by}, and artefacts are read from version {oldest} on; "
+            "make it again, or open it with that version"
+        )
 
 
 def content(dataset: xr.Dataset) -> str:
