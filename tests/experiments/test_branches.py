@@ -7,8 +7,10 @@ import periodic_systems as systems
 import pytest
 import two_dofs
 
-from vibrom.experiments.branches import Branches, curve_of
+from vibrom.experiments.branches import Branches
+from vibrom.experiments.s_curve import SCurve
 from vibrom.experiments.sweeps import Sweeps
+from vibrom.models.motions import curve_of
 from vibrom.models.rollout import Integrator
 
 FORCING = 0.06
@@ -60,8 +62,8 @@ def test_a_model_that_is_wrong_says_so(answers, branches, models):
 def test_two_stable_motions_are_counted_between_the_folds(answers):
     for answer in answers:
         curve = curve_of(answer)
-        high, low = curve.frequency[curve.folds]
-        grid = answer["grid_frequency"].values
+        high, low = curve.parameter[curve.folds]
+        grid = answer["grid"].values
         inside = (low < grid) & (grid < high)
         assert inside.sum() > 2
         np.testing.assert_array_equal(answer["stable_motions"].values, 1 + inside)
@@ -103,6 +105,54 @@ def test_a_branch_ends_far_from_the_training_data(branches):
     assert set(answer["outcome"].values[answer["kind"].values == "end"]) == {"lost"}
 
 
+@pytest.fixture(scope="module")
+def s_curve(models, answers):
+    """At a frequency at which the response curve has three motions."""
+    curve = curve_of(answers[1])
+    high, low = curve.parameter[curve.folds]
+    return SCurve(frequency=(0.3 * high + 0.7 * low) / models[1].frequency, forcing=2 * FORCING)
+
+
+def test_an_s_curve_goes_through_the_motions_of_the_response_curve(models, branches, s_curve):
+    """Where both are at one frequency and one forcing: two stable ones and one that is not."""
+    across, along = (
+        curve_of(dataclasses.replace(asked, turn=0.05, points=500).ask(models[1], two_dofs.given()))
+        for asked in (s_curve, branches)
+    )
+    place = s_curve.frequency * models[1].frequency
+
+    def amplitudes(curve, at):
+        side = np.sign(curve.parameter - at)
+        (left,) = np.nonzero(side[1:] * side[:-1] < 0)
+        share = (at - curve.parameter[left]) / (curve.parameter[left + 1] - curve.parameter[left])
+        rise = curve.amplitude[left + 1] - curve.amplitude[left]
+        return np.sort(curve.amplitude[left] + share * rise)
+
+    one, other = amplitudes(across, FORCING), amplitudes(along, place)
+    assert len(one) == len(other) == 3
+    # Both are read from chords, which turn by a twentieth: (1/20)^2/8 of their length.
+    np.testing.assert_allclose(one, other, rtol=2e-3)
+    assert across.motions(np.array([FORCING])).tolist() == [2]
+
+
+def test_an_exact_model_has_the_s_of_the_full_order(models, s_curve):
+    truth, model = (s_curve.ask(item, two_dofs.given()) for item in models)
+    scores = s_curve.score(model, truth)
+    assert scores["folds"] == 2.0 and scores["wrong_stable_motions"] == 0.0
+    # The steps shift the frequency by 1e-5, of a detuning of a tenth.
+    assert abs(scores["fold_forcing_error_percent"]) < 0.05
+    assert abs(scores["bistable_width_error_percent"]) < 0.1
+    assert scores["stable_amplitude_error_percent"] < 1.0
+    assert scores["unstable_amplitude_error_percent"] < 1.0
+    linear = s_curve.ask(systems.reduced(**LINEAR), two_dofs.given())
+    assert s_curve.score(linear, truth)["fold_forcing_error_percent"] == np.inf
+    np.testing.assert_allclose(  # a linear motion is as large as its forcing
+        linear["maximum"].values[0] / linear["forcing"].values,
+        linear["maximum"].values[0, -1] / linear["forcing"].values[-1],
+        rtol=1e-5,
+    )
+
+
 def test_a_budget_of_points_is_kept(models, branches):
     short = dataclasses.replace(branches, points=12).ask(models[1], two_dofs.given())
     assert short.sizes["point"] <= 12 + 3  # and those about the peak
@@ -116,7 +166,7 @@ def test_sweeps_jump_at_the_folds(models, answers, branches):
     sweeps = Sweeps(forcing=FORCING, frequencies=17, periods=60, lowest=1.0, highest=1.25)
     found = [sweeps.ask(model, two_dofs.given()) for model in models]
     curve = curve_of(answers[1])
-    high, low = curve.frequency[curve.folds]
+    high, low = curve.parameter[curve.folds]
     step = np.diff(found[0]["angular_frequency"].values)[0] / 2**sweeps.halvings
     for answer in found:
         up, down = answer["jump_frequency"].values

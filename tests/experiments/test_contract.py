@@ -13,7 +13,7 @@ from vibrom.config import plugs
 from vibrom.experiments import experiment, plug
 
 # Settings without a default, which a scene gives.
-SCENE = {"forcing": 0.05}
+SCENE = {"forcing": 0.05, "frequency": 1.0}
 # A score that is an error, in percent: the full order loses (omega h)^2/12 = 2e-5 of its frequency,
 # which over twelve periods, or at resonance, is 2e-3 of a displacement.
 SMALL = 0.5

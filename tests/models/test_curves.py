@@ -40,9 +40,9 @@ def test_stable_motions_are_counted_between_the_folds():
 
 def test_a_curve_that_is_shifted_is_off_by_the_shift():
     off = difference(folded(shift=0.1, size=1.02), folded())
-    assert off.fold_frequency == pytest.approx(100 * 0.1 / 2.0)
+    assert off.fold_parameter == pytest.approx(100 * 0.1 / 2.0)
     assert off.fold_amplitude == pytest.approx(2.0)
-    assert off.peak_frequency == pytest.approx(100 * 0.1 / 4.0)
+    assert off.peak_parameter == pytest.approx(100 * 0.1 / 4.0)
     assert off.peak_amplitude == pytest.approx(2.0)
     assert off.bistable_width == pytest.approx(0.0)
     assert off.stable_amplitude == pytest.approx(2.0, abs=0.5)
@@ -51,7 +51,7 @@ def test_a_curve_that_is_shifted_is_off_by_the_shift():
 
 def test_a_curve_without_the_folds_of_the_true_one_is_infinitely_wrong():
     off = difference(single(), folded())
-    assert off.fold_frequency == off.fold_amplitude == np.inf
+    assert off.fold_parameter == off.fold_amplitude == np.inf
     assert off.stable_amplitude == off.unstable_amplitude == np.inf
     assert off.bistable_width == pytest.approx(-100.0)
     assert difference(folded(), single()).bistable_width == np.inf

@@ -27,13 +27,15 @@ PLAIN = {
 }
 
 
-def answer(curve, branch=0):
-    """An artefact with this curve."""
+def answer(curve, branch=0, along="angular_frequency"):
+    """An artefact with this curve, along the frequency or along the forcing."""
     count = len(curve["kind"])
     columns = {
-        name: variable("point", np.array(curve[name]), "1", name)
-        for name in ("angular_frequency", "stable", "kind")
+        name: variable("point", np.array(curve[name]), "1", name) for name in ("stable", "kind")
     }
+    for name in ("angular_frequency", "forcing"):
+        columns[name] = variable((), 1.0, "1", name)
+    columns[along] = variable("point", np.array(curve["angular_frequency"]), "1", along)
     dims = ("probe", "point")
     return xr.Dataset(
         {
@@ -65,6 +67,9 @@ def collection():
         Key("folding", "full_order", None, "branches"): answer(FOLDED),
         Key("folding", "split", 0, "branches"): answer(FOLDED),
         Key("folding", "split", 1, "branches"): answer(PLAIN),
+        Key("folding", "full_order", None, "s_curve"): answer(FOLDED, along="forcing"),
+        Key("folding", "split", 0, "s_curve"): answer(FOLDED, along="forcing"),
+        Key("folding", "split", 1, "s_curve"): answer(PLAIN, along="forcing"),
     }
     return Collection({key: (lambda data=data: data) for key, data in made.items()})
 
@@ -108,6 +113,16 @@ def test_every_motion_is_a_row_and_every_model_a_line(collection, scores):
     # Between 102 and 104 two motions are stable; the model's other seed has one everywhere.
     assert full["Two stable motions over [rad/s]"] == "2.000"
     assert split["Main folds [–]"] == "1.0 (0 to 2.0)" and split["Points"] == "10"
+
+
+def test_folds_in_the_forcing_are_a_line_a_model(collection, scores):
+    """Small motions end at the first fold, large ones at the second. Where half of the seeds have
+    none, the median has none.
+    """
+    full, split = tables.make("s_curve", collection, scores).rows
+    assert (full["folds"], full["upper_fold"], full["lower_fold"]) == (2.0, 104.0, 102.0)
+    assert split["folds"] == 1.0 and split["folds_min"] == 0.0 and split["folds_max"] == 2.0
+    assert np.isnan(split["upper_fold"]) and np.isnan(split["lower_fold"])
 
 
 def test_seeds_with_the_folds_of_the_full_order_are_counted(collection, scores):

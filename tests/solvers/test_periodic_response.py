@@ -9,21 +9,20 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.solvers.periodic import continuation
 from vibrom.solvers.periodic.continuation import Pace
-from vibrom.solvers.periodic.equations import from_rest, in_amplitude
-from vibrom.solvers.periodic.response import Span, branch, response
+from vibrom.solvers.periodic.equations import in_amplitude, in_frequency
+from vibrom.solvers.periodic.response import Span, response
 from vibrom.solvers.periodic.stability import Kind
 
 
 def curve(flow, amplitude, lowest, highest, **pace):
     """All branches between two frequencies."""
     pace = Pace(0.1 * (highest - lowest), newton=flow.free, **pace)
-    return response(flow, amplitude, Span(lowest, highest, 300, 1e-3), pace)
+    return response(in_frequency(flow, amplitude), Span(lowest, highest, 300, 1e-3), pace)
 
 
 def folds(found):
-    """Frequencies of the main folds, in the order of the branch."""
+    """Where the main folds are, in the order of the branch."""
     return np.array([item.orbit.p for item in found if item.orbit.kind == Kind.FOLD])
 
 
@@ -60,6 +59,26 @@ def test_duffings_folds_tend_to_those_of_the_averaged_equation():
         errors.append(np.abs(found - expected).max() / small)
     assert errors[-1] < 0.15
     # An error of order e^2 in a detuning of order e halves with e.
+    assert errors[1] / errors[2] == pytest.approx(2.0, abs=0.5)
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.5)
+
+
+def test_duffings_folds_in_the_forcing_tend_to_those_of_the_averaged_equation():
+    """At one detuning s of order e the same equation gives f(a), and folds where df/da = 0:
+    c^2/4 + (s - 3 a^2/8)(s - 9 a^2/8) = 0, a quadratic equation of a^2.
+    """
+    errors = []
+    for small in (0.02, 0.01, 0.005):
+        damping, detuning = 2 * small, 5 * small
+        square = np.roots([27 / 64, -1.5 * detuning, detuning**2 + damping**2 / 4])
+        expected = 2 * np.sqrt(square * (damping**2 / 4 + (detuning - 3 * square / 8) ** 2))
+        system = systems.DUFFING | {"damping": damping}
+        flow = systems.reduced(**system, reach=1.0).return_map()
+        largest = 2 * expected.max()
+        span, pace = Span(0.02 * largest, largest, 150, 1e-6), Pace(largest, newton=True)
+        found = np.sort(folds(response(in_amplitude(flow, 1.0 + detuning), span, pace)))
+        errors.append(np.abs(found / np.sort(expected) - 1.0).max())
+    assert errors[-1] < 0.05
     assert errors[1] / errors[2] == pytest.approx(2.0, abs=0.5)
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.5)
 
@@ -133,13 +152,11 @@ def test_a_curve_in_the_amplitude_folds_too(two):
     high, low = folds(two[1][1])
     middle = 0.5 * (high + low)
     pace = Pace(0.03, newton=True)
-    start = from_rest(flow, middle, 0.01)
-    problem = in_amplitude(flow, middle)
-    point = continuation.at(problem, start, 0.01, pace)
-    orbits = branch(problem, point, Span(0.005, 0.2, 300, 1e-6), pace, flow.parts)
-    ends = [orbit.p for orbit in orbits if orbit.kind == Kind.FOLD]
+    found = response(in_amplitude(flow, middle), Span(0.005, 0.2, 300, 1e-6), pace)
+    ends = folds(found)
     assert len(ends) == 2 and ends[1] < 0.06 < ends[0]
-    assert orbits[-1].outcome == Outcome.OK and orbits[-1].p == pytest.approx(0.2)
+    last = found[-1].orbit
+    assert last.outcome == Outcome.OK and last.p == pytest.approx(0.2)
 
 
 def test_two_equal_oscillators_lose_their_symmetry_where_theory_says():

@@ -19,6 +19,7 @@ from vibrom.models.full_order import FullOrder
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.periodic.continuation import Pace
+from vibrom.solvers.periodic.equations import in_frequency
 from vibrom.solvers.periodic.response import Span, response
 from vibrom.solvers.periodic.stability import Kind
 
@@ -59,7 +60,7 @@ def clamped():
     )
     span = Span(1.0 * omega, 1.25 * omega, 100, 1e-3 * omega)
     flow = model.return_map()
-    return omega, response(flow, FORCING, span, Pace(0.04 * omega, turn=0.35))
+    return omega, response(in_frequency(flow, FORCING), span, Pace(0.04 * omega, turn=0.35))
 
 
 def backbone(amplitude):

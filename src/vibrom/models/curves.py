@@ -1,10 +1,10 @@
-"""Numbers of response curves with branches, each defined once: stable motions at a frequency,
-folds, the peak, and how far one curve is from another.
+"""Numbers of response curves with branches, each defined once: how many motions are stable, folds,
+the peak, and how far one curve is from another.
 
 A curve is a list of periodic motions, branch after branch, in the order in which they hang
-together. Two curves are compared along their arclength, landmark by landmark (ends and main folds):
-at one frequency a curve with folds has several amplitudes, and one that is a little off has none
-where the other one jumps.
+together; along it varies the frequency of the forcing, or its amplitude. Two curves are compared
+along their arclength, landmark by landmark (ends and main folds): at one frequency a curve with
+folds has several amplitudes, and one that is a little off has none where the other one jumps.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.interpolate import Akima1DInterpolator
 
 from vibrom.solvers.periodic.stability import Kind
 
-NAMES = ("branch", "frequency", "amplitude", "stable", "kind")
+NAMES = ("branch", "parameter", "amplitude", "stable", "kind")
 SAMPLES = 200  # of each part of a branch between two landmarks
 
 
@@ -25,7 +25,7 @@ class Curve:
     """Periodic motions, one entry each."""
 
     branch: np.ndarray  # (m,) number of the branch
-    frequency: np.ndarray  # (m,) rad/s
+    parameter: np.ndarray  # (m,) what varies: rad/s of a frequency, 1 of a forcing
     amplitude: np.ndarray  # (m,) m
     stable: np.ndarray  # (m,) bool
     kind: np.ndarray  # (m,) words of Kind
@@ -50,16 +50,16 @@ class Curve:
         calm = (self.stable | changes)[links].all(axis=1) & ~changes[links].all(axis=1)
         return links[calm]
 
-    def motions(self, frequency: np.ndarray) -> np.ndarray:
-        """(g,) how many stable motions there are at each frequency (g,) [rad/s]."""
-        low, high = np.sort(self.frequency[self.stable_links], axis=1).T
-        inside = np.clip(frequency, *(self.frequency.min(), np.nextafter(self.frequency.max(), 0)))
+    def motions(self, parameter: np.ndarray) -> np.ndarray:
+        """(g,) how many stable motions there are at each of (g,) values of the parameter."""
+        low, high = np.sort(self.parameter[self.stable_links], axis=1).T
+        inside = np.clip(parameter, *(self.parameter.min(), np.nextafter(self.parameter.max(), 0)))
         return ((low <= inside[:, None]) & (inside[:, None] < high)).sum(axis=1)
 
     @property
     def bistable_width(self) -> float:
-        """Frequencies [rad/s] at which there are two stable motions or more."""
-        edges = np.unique(self.frequency[self.stable_links])
+        """How much of the parameter has two stable motions or more."""
+        edges = np.unique(self.parameter[self.stable_links])
         if len(edges) < 2:
             return 0.0
         several = self.motions(0.5 * (edges[1:] + edges[:-1])) > 1
@@ -80,9 +80,9 @@ class Curve:
 class Difference:
     """One curve against the true one, in percent; infinite where it lacks what the true one has."""
 
-    fold_frequency: float  # largest of the main folds
+    fold_parameter: float  # largest of the main folds
     fold_amplitude: float  # largest of the main folds
-    peak_frequency: float
+    peak_parameter: float
     peak_amplitude: float
     bistable_width: float
     stable_amplitude: float  # largest along the stable parts of matched branches
@@ -109,9 +109,9 @@ def difference(curve: Curve, truth: Curve) -> Difference:
 
     stable, unstable = _along(curve, truth) if matched else (float("inf"), float("inf"))
     return Difference(
-        worst("frequency"),
+        worst("parameter"),
         worst("amplitude"),
-        float(off("frequency", curve.peak, truth.peak)),
+        float(off("parameter", curve.peak, truth.peak)),
         float(off("amplitude", curve.peak, truth.peak)),
         _share(curve.bistable_width, truth.bistable_width),
         stable,
@@ -136,7 +136,7 @@ def _parts(curve: Curve) -> list[Curve]:
     parts = []
     for number in np.unique(curve.branch):
         branch = curve.part(curve.branch == number)
-        cuts = [0, *branch.folds, len(branch.frequency) - 1]
+        cuts = [0, *branch.folds, len(branch.parameter) - 1]
         parts += [branch.part(slice(one, other + 1)) for one, other in zip(cuts, cuts[1:])]
     return parts
 
@@ -144,13 +144,13 @@ def _parts(curve: Curve) -> list[Curve]:
 def _along(curve: Curve, truth: Curve) -> tuple[float, float]:
     """Largest errors of the amplitude along stable and along unstable parts of the true curve."""
     worst = {True: 0.0, False: 0.0}
-    size = np.array([np.ptp(truth.frequency) or 1.0, truth.amplitude.max()])
+    size = np.array([np.ptp(truth.parameter) or 1.0, truth.amplitude.max()])
     share = np.linspace(0.0, 1.0, SAMPLES)
     for part, true in zip(_parts(curve), _parts(truth)):
         model, reference = (_sampled(item, size, share) for item in (part, true))
         error = 100.0 * np.abs(model / reference - 1.0)
         links = true.stable_links
-        calm = np.zeros(len(true.frequency) - 1, bool)
+        calm = np.zeros(len(true.parameter) - 1, bool)
         calm[links[:, 0]] = True
         at = np.clip(
             np.searchsorted(_lengths(true, size), share, side="right") - 1, 0, len(calm) - 1
@@ -162,7 +162,7 @@ def _along(curve: Curve, truth: Curve) -> tuple[float, float]:
 
 def _lengths(curve: Curve, size: np.ndarray) -> np.ndarray:
     """(m,) arclength up to each point, in units of the whole."""
-    path = np.stack([curve.frequency, curve.amplitude], axis=1) / size
+    path = np.stack([curve.parameter, curve.amplitude], axis=1) / size
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
     return length / length[-1]
 

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.models.curves import Curve
+from vibrom.models.motions import curve_of
 from vibrom.models.recorded import damped_frequency
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe
 
@@ -15,10 +16,7 @@ def curve(dataset: xr.Dataset | None) -> Curve | None:
     amplitude = at_probe(dataset, "maximum")
     if amplitude is None or not np.isfinite(amplitude).any():
         return None
-    branch, frequency, stable, kind = (
-        dataset[name].values for name in ("branch", "angular_frequency", "stable", "kind")
-    )
-    return Curve(branch, frequency, amplitude, stable.astype(bool), kind.astype(str))
+    return curve_of(dataset, amplitude)
 
 
 def scenes(collection: Collection, name: str = "branches") -> list[str]:
@@ -39,14 +37,14 @@ def landmark(collection: Collection, scene: str, name: str) -> float | None:
     if found is None:
         return np.nan
     scale = damped_frequency(collection.find(scene, FULL_ORDER, "structure"))
-    folds = [*np.sort(found.frequency[found.folds])[::-1], np.nan, np.nan]
+    folds = [*np.sort(found.parameter[found.folds])[::-1], np.nan, np.nan]
     numbers = {
         "main folds": len(found.folds),
         "upper fold": folds[0] / scale,
         "lower fold": folds[1] / scale,
         "peak": found.amplitude.max(),
-        "peak frequency": found.frequency[found.peak] / scale,
+        "peak frequency": found.parameter[found.peak] / scale,
         "stable peak": found.amplitude[found.stable].max(initial=0.0),
-        "motions": len(found.frequency),
+        "motions": len(found.parameter),
     }
     return float(numbers[name])

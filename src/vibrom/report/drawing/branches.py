@@ -10,7 +10,7 @@ from vibrom.models.curves import Curve
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER, Collection
 from vibrom.report.drawing import panels
-from vibrom.report.plots import Series
+from vibrom.report.plots import Panel, Series
 from vibrom.report.scores import Scores
 
 STABLE, UNSTABLE = {"linestyle": "-"}, {"linestyle": (0, (1.2, 1.2))}
@@ -18,6 +18,7 @@ BEHIND = {"color": "0.72", "linewidth": 2.2}
 AROUND = 6.0  # times the distance of the folds: how much of the curve is shown beside them
 FRONT = {"color": "#8a2a0b", "linewidth": 0.9}
 AXES = ("forcing frequency [rad/s]", "probe amplitude [m]")
+S_AXES = ("forcing, times the load [–]", AXES[1])
 
 
 def draw(
@@ -26,8 +27,11 @@ def draw(
     name: str,
     show: Callable[[Any, Collection, str, str, int | None], None],
     full_order: bool = False,
+    whole: str = "branches",
 ) -> Figure:
-    """`show` fills the panel of a scene, a model and its median seed; `name` is what it shows."""
+    """`show` fills the panel of a scene, a model and its median seed; `name` is what it shows, and
+    `whole` what stands behind it.
+    """
     first = [FULL_ORDER] if full_order else []
     models = [
         (scene, model)
@@ -36,11 +40,11 @@ def draw(
     ]
     figure, axes = panels.grid(max(1, len(models)), columns=4, size=(2.4, 1.9), legend=0.4)
     for panel in axes:
-        panel.set(xlabel=AXES[0], ylabel=AXES[1])
+        panel.set(xlabel=(S_AXES if whole == "s_curve" else AXES)[0], ylabel=AXES[1])
     for panel, (scene, model) in zip(axes, models):
         seed, answer = panels.drawn(collection, scores, scene, model, name)
         panel.set_title(f"{scene}, {panels.title(model, seed)}")
-        behind(panel, curve(collection.find(scene, FULL_ORDER, "branches")))
+        behind(panel, curve(collection.find(scene, FULL_ORDER, whole)))
         if answer is None:
             panels.words(panel, f"no {name} in this run")
         else:
@@ -57,9 +61,9 @@ def behind(panel, found: Curve | None) -> None:
     if found is not None:
         line(panel, found, BEHIND, "full order")
         panel.set_ylim(-0.03 * found.amplitude.max(), 1.3 * found.amplitude.max())
-        low, high = found.frequency.min(), found.frequency.max()
+        low, high = found.parameter.min(), found.parameter.max()
         if len(found.folds):
-            first, last = found.frequency[found.folds].min(), found.frequency[found.folds].max()
+            first, last = found.parameter[found.folds].min(), found.parameter[found.folds].max()
             low = max(low, first - AROUND * (last - first))
             high = min(high, last + AROUND * (last - first))
         panel.set_xlim(low, high)
@@ -75,12 +79,44 @@ def line(panel, found: Curve, look: dict, words: str) -> None:
             stable = bool(branch.stable[first])
             part = slice(max(first - 1, 0), last)
             panel.plot(
-                branch.frequency[part],
+                branch.parameter[part],
                 branch.amplitude[part],
                 **look,
                 **(STABLE if stable else UNSTABLE),
                 label=f"{words}, {'stable' if stable else 'unstable'}",
             )
+
+
+def marked(panel, found: Curve | None) -> None:
+    """A model's curve, its main folds marked."""
+    if found is None:
+        panels.words(panel, "no motion was found")
+        return
+    line(panel, found, FRONT, "model")
+    folds = found.folds
+    panel.plot(
+        found.parameter[folds],
+        found.amplitude[folds],
+        "o",
+        color=FRONT["color"],
+        markersize=2.6,
+        label="main fold of the model",
+    )
+
+
+def switched(
+    collection: Collection, scores: Scores, name: str, axes: tuple[str, str]
+) -> list[Panel]:
+    """A panel a scene for the page: every model's curve, of each method the median seed."""
+    made = []
+    for scene in scenes(collection, name):
+        series = []
+        for model in (FULL_ORDER, *collection.methods):
+            seed, answer = panels.drawn(collection, scores, scene, model, name)
+            if (found := curve(answer)) is not None:
+                series += parts(model, None if model == FULL_ORDER else seed, found)
+        made.append(Panel(scene, *axes, series, switch="y"))
+    return made
 
 
 def parts(model: str, seed: int | None, found: Curve) -> list[Series]:
@@ -89,9 +125,9 @@ def parts(model: str, seed: int | None, found: Curve) -> list[Series]:
     """
     made, wide = [], 3.0 if model == FULL_ORDER else 1.2
     starts = np.flatnonzero(np.diff(found.branch)) + 1
-    frequency, kind = (
+    varies, kind = (
         np.insert(values, starts, fill)
-        for values, fill in ((found.frequency, np.nan), (found.kind.astype(object), ""))
+        for values, fill in ((found.parameter, np.nan), (found.kind.astype(object), ""))
     )
     for stable, dashes in ((True, STABLE), (False, UNSTABLE)):
         mine = found.stable == stable
@@ -102,7 +138,7 @@ def parts(model: str, seed: int | None, found: Curve) -> list[Series]:
         line = {"name": "stable" if stable else "unstable", "notes": [str(word) for word in kind]}
         look = {**dashes, "linewidth": wide}
         series = Series(
-            model, frequency, np.insert(amplitude, starts, np.nan), seed, look=look, **line
+            model, varies, np.insert(amplitude, starts, np.nan), seed, look=look, **line
         )
         made.append(series)
     return made

@@ -9,9 +9,8 @@ shown.
 
 from matplotlib.figure import Figure
 
-from vibrom.report.branches import curve, scenes
-from vibrom.report.collection import FULL_ORDER
-from vibrom.report.drawing import branches, panels
+from vibrom.report.branches import curve
+from vibrom.report.drawing import branches
 from vibrom.report.plots import Panel
 
 FAMILY = "models"
@@ -30,20 +29,7 @@ def draw(collection, scores, scene=None) -> Figure:
 
 def show(panel, collection, scene, model, seed) -> None:
     """The model's curve on the full order's."""
-    found = curve(collection.find(scene, model, "branches", seed))
-    if found is None:
-        panels.words(panel, "no motion was found")
-        return
-    branches.line(panel, found, branches.FRONT, "model")
-    folds = found.folds
-    panel.plot(
-        found.frequency[folds],
-        found.amplitude[folds],
-        "o",
-        color=branches.FRONT["color"],
-        markersize=2.6,
-        label="main fold of the model",
-    )
+    branches.marked(panel, curve(collection.find(scene, model, "branches", seed)))
 
 
 def plot(collection, scores) -> list[Panel]:
@@ -51,12 +37,4 @@ def plot(collection, scores) -> list[Panel]:
     motions drawn through, unstable ones dotted; the pointer tells what is special about a motion.
     Of each method the median seed.
     """
-    made = []
-    for scene in scenes(collection):
-        series = []
-        for model in (FULL_ORDER, *collection.methods):
-            seed, answer = panels.drawn(collection, scores, scene, model, "branches")
-            if (found := curve(answer)) is not None:
-                series += branches.parts(model, None if model == FULL_ORDER else seed, found)
-        made.append(Panel(scene, *branches.AXES, series, switch="y"))
-    return made
+    return branches.switched(collection, scores, "branches", branches.AXES)

@@ -94,7 +94,7 @@ def summary(rows, case: str, method: str) -> dict:
     numbers = {
         "folds": [float(len(one.folds)) for one in curves],
         "peak_m": [one.amplitude[one.peak] for one in curves],
-        "peak_rad_per_s": [one.frequency[one.peak] for one in curves],
+        "peak_rad_per_s": [one.parameter[one.peak] for one in curves],
         "width_rad_per_s": [one.bistable_width for one in curves],
     }
     whole = {"case": case, "method": method, "points": len(known)}

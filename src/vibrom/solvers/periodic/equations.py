@@ -9,34 +9,60 @@ linear.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from vibrom.solvers.periodic import continuation
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
-from vibrom.solvers.periodic.maps import Return, ReturnMap
+from vibrom.solvers.periodic.maps import Return, ReturnMap, Swing
 
 SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, nearly linear
 MOST = 200  # points from rest to a start
 
 
-def in_frequency(flow: ReturnMap, amplitude: float) -> Problem:
+@dataclass(frozen=True)
+class Along:
+    """The motions of a model along the frequency of its forcing or along the amplitude."""
+
+    flow: ReturnMap
+    frequency: float | None = None  # rad/s; None: it varies
+    amplitude: float | None = None  # None: it varies
+
+    def drive(self, p: float) -> tuple[float, float]:
+        """Frequency [rad/s] and amplitude of the forcing at p."""
+        return (
+            p if self.frequency is None else self.frequency,
+            p if self.amplitude is None else self.amplitude,
+        )
+
+    def __call__(self, x: np.ndarray, p: float, derivative: bool) -> Value:
+        """H(x, p) - x."""
+        found = self.flow(x, *self.drive(p), derivative)
+        by_p = found.by_frequency if self.frequency is None else found.by_amplitude
+        return _value(found, x, by_p)
+
+    def swings(self, x: np.ndarray, p: np.ndarray) -> list[Swing]:
+        """What the motions of points x (b, m) at p (b,) look like."""
+        drives = np.array([self.drive(float(one)) for one in p])
+        return self.flow.swings(x, *drives.T)
+
+    def ends(self, lowest: float, highest: float) -> list[tuple[float, float]]:
+        """Where motions from rest begin a curve, and which way it goes from there. In a forcing
+        that grows at one frequency both ends lie on the same curve.
+        """
+        ends = [(lowest, 1.0), (highest, -1.0)]
+        return ends if self.frequency is None else ends[:1]
+
+
+def in_frequency(flow: ReturnMap, amplitude: float) -> Along:
     """H(x, p, amplitude) - x."""
-
-    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
-        found = flow(x, p, amplitude, derivative)
-        return _value(found, x, found.by_frequency)
-
-    return problem
+    return Along(flow, amplitude=amplitude)
 
 
-def in_amplitude(flow: ReturnMap, frequency: float) -> Problem:
+def in_amplitude(flow: ReturnMap, frequency: float) -> Along:
     """H(x, frequency, p) - x."""
-
-    def problem(x: np.ndarray, p: float, derivative: bool) -> Value:
-        found = flow(x, frequency, p, derivative)
-        return _value(found, x, found.by_amplitude)
-
-    return problem
+    return Along(flow, frequency=frequency)
 
 
 def _value(found: Return, x: np.ndarray, by_p: np.ndarray | None) -> Value:

@@ -1,6 +1,6 @@
 """Branches of periodic motions: a response curve, stable or not, with what happens on it.
 
-    x = H(x, Omega, a)   along Omega at one amplitude a of the forcing
+    x = H(x, Omega, a)   along Omega at one amplitude a of the forcing, or along a at one Omega
 
 A curve begins with the motion that hangs together with rest (see `equations`), at both ends of its
 range: there one motion is all there is, or else the others hang together with it.
@@ -17,8 +17,8 @@ from threadpoolctl import threadpool_limits
 from vibrom.artefacts.outcome import Outcome
 from vibrom.solvers.periodic import continuation, stability
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
-from vibrom.solvers.periodic.equations import from_rest, in_frequency
-from vibrom.solvers.periodic.maps import Return, ReturnMap, Swing
+from vibrom.solvers.periodic.equations import Along, from_rest
+from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.periodic.stability import Kind
 
 FOLD = 1e-7  # of the scale of p: how well folds are located
@@ -167,46 +167,46 @@ def minor_folds(orbits: list[Orbit], width: float) -> list[Orbit]:
     ]
 
 
-def response(flow: ReturnMap, amplitude: float, span: Span, pace: Pace) -> list[Found]:
-    """All branches that hang together with the motions from rest at both ends of the span. Where
+def response(curve: Along, span: Span, pace: Pace) -> list[Found]:
+    """All branches that hang together with the motions from rest at the ends of the span. Where
     there is none, one row says so.
     """
     # Matrices of some hundred rows gain nothing from a second thread of BLAS, whose threads wait
     # for one another in a busy loop: eigenvalues take five times as long.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = _hanging_together(flow, amplitude, span, pace)
-    return found or _nothing(flow, amplitude, span.lowest)
+        found = _hanging_together(curve, span, pace)
+    return found or _nothing(curve, span.lowest)
 
 
-def _hanging_together(flow: ReturnMap, amplitude: float, span: Span, pace: Pace) -> list[Found]:
-    problem = in_frequency(flow, amplitude)
+def _hanging_together(curve: Along, span: Span, pace: Pace) -> list[Found]:
+    flow = curve.flow
     found: list[Found] = []
-    for p, toward in ((span.lowest, 1.0), (span.highest, -1.0)):
+    for p, toward in curve.ends(span.lowest, span.highest):
         try:
-            start = continuation.at(problem, from_rest(flow, p, amplitude), p, pace, toward)
+            start = continuation.at(curve, from_rest(flow, *curve.drive(p)), p, pace, toward)
         except Lost:
             continue
         room, known = span.points - len(found), [item.orbit for item in found]
         if room > 1 and not any(same(start, orbit.point) for orbit in known):
-            orbits = branch(problem, start, replace(span, points=room), pace, flow.parts, known)
+            orbits = branch(curve, start, replace(span, points=room), pace, flow.parts, known)
             number = len({item.branch for item in found})
-            measured = _measured(flow, amplitude, orbits, number)
-            found += peaked(flow, problem, amplitude, measured, pace)
+            found += peaked(curve, _measured(curve, orbits, number), pace)
     return found
 
 
-def _measured(flow: ReturnMap, amplitude: float, orbits: list[Orbit], number: int) -> list[Found]:
+def _measured(curve: Along, orbits: list[Orbit], number: int) -> list[Found]:
     x, p = np.stack([orbit.point.x for orbit in orbits]), np.array([orbit.p for orbit in orbits])
-    swings = flow.swings(x, p, np.full(len(p), amplitude))
+    swings = curve.swings(x, p)
     return [Found(number, orbit, swing, orbit.multipliers) for orbit, swing in zip(orbits, swings)]
 
 
-def _nothing(flow: ReturnMap, amplitude: float, p: float) -> list[Found]:
+def _nothing(curve: Along, p: float) -> list[Found]:
     """A row without a motion."""
-    x = np.full(flow.size, np.nan)
+    size = curve.flow.size
+    x = np.full(size, np.nan)
     value = Value(x, ok=False, details=Return(x, ok=False))
     point = Point(x, p, np.append(x, np.nan), value)
-    swing = flow.swings(np.zeros((1, flow.size)), np.array([p]), np.zeros(1))[0]
+    swing = curve.flow.swings(np.zeros((1, size)), np.array([curve.drive(p)[0]]), np.zeros(1))[0]
     lost = replace(swing, displacement=np.full_like(swing.displacement, np.nan))
     return [Found(0, Orbit(point, Kind.END, Outcome.LOST), lost, x)]
 
@@ -218,9 +218,7 @@ def same(one: Point, other: Point) -> bool:
     return bool(near and abs(one.p - other.p) <= 1e-9 * abs(one.p))
 
 
-def peaked(
-    flow: ReturnMap, problem: Problem, amplitude: float, found: list[Found], pace: Pace
-) -> list[Found]:
+def peaked(curve: Along, found: list[Found], pace: Pace) -> list[Found]:
     """The same motions of one branch and up to PEAK more about the highest one, by parabolas."""
     found = list(found)
     for _ in range(PEAK):
@@ -238,8 +236,8 @@ def peaked(
         if not 0.05 < share < 0.95:
             break
         try:
-            added = continuation.beyond(problem, low, share * (high.arc - low.arc), pace, high)
+            added = continuation.beyond(curve, low, share * (high.arc - low.arc), pace, high)
         except Lost:
             break
-        found[side + 1 : side + 1] = _measured(flow, amplitude, [Orbit(added)], found[top].branch)
+        found[side + 1 : side + 1] = _measured(curve, [Orbit(added)], found[top].branch)
     return found

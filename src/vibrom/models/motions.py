@@ -1,0 +1,142 @@
+"""The periodic motions of a model along a curve, as an artefact keeps them: one a row, branch after
+branch, with its stability and what is special about it.
+
+Along the curve varies the frequency of the forcing, or its amplitude; the other one is a number.
+"""
+
+import time
+
+import numpy as np
+import xarray as xr
+
+from vibrom.artefacts.data import variable
+from vibrom.artefacts.outcome import Outcome
+from vibrom.models.curves import Curve
+from vibrom.models.measures import periodic
+from vibrom.models.rollout import MARGIN
+from vibrom.solvers.periodic.continuation import Pace
+from vibrom.solvers.periodic.equations import Along, prepare
+from vibrom.solvers.periodic.response import Found, Span, response
+from vibrom.solvers.periodic.stability import Kind, leading_first
+
+HARMONICS = 8  # 0 to 7 are kept
+DRIVE = {  # of the forcing: unit and meaning
+    "angular_frequency": ("rad s-1", "angular frequency of the forcing"),
+    "forcing": ("1", "amplitude of the forcing, times the scene's load"),
+}
+
+
+def motions(
+    curve: Along, span: Span, pace: Pace, grid: np.ndarray, probe: xr.Variable
+) -> xr.Dataset:
+    """All that were found; how many are stable at each of `grid`, and where two or more are."""
+    prepare(curve.flow, curve.drive(span.lowest)[0])
+    began = time.perf_counter()
+    found = response(curve, span, pace)
+    seconds = time.perf_counter() - began
+    rows = _driven(curve, found) | _shown(found)
+    rows |= _stability(found, curve.flow.parts) | _endings(found)
+    known = curve_of(xr.Dataset(rows))
+    unit, varies = DRIVE[parameter(rows)]
+    rows |= {
+        "stable_motions": variable("grid", known.motions(grid), "1", "stable motions there"),
+        "bistable_width": variable(
+            (), known.bistable_width, unit, "width of what has two stable motions or more"
+        ),
+        "seconds": variable(
+            (), seconds, "s", "wall time of the computation, loading and compilation excluded"
+        ),
+    }
+    coords = {
+        "probe": probe,
+        "harmonic": variable("harmonic", np.arange(HARMONICS), "1", "multiple of the forcing"),
+        "grid": variable("grid", grid, unit, f"{varies}, where stable motions are counted"),
+    }
+    return xr.Dataset(rows, coords=coords)
+
+
+def parameter(answer: xr.Dataset | dict[str, xr.Variable]) -> str:
+    """What varies along the curve."""
+    return next(name for name in DRIVE if answer[name].ndim)
+
+
+def curve_of(answer: xr.Dataset, amplitude: np.ndarray | None = None) -> Curve:
+    """The curve of these amplitudes (m,) [m]; if none are given, of the first probe."""
+    names = ("branch", parameter(answer), "stable", "kind")
+    branch, varies, stable, kind = (answer[name].values for name in names)
+    shown = answer["maximum"].values[0] if amplitude is None else amplitude
+    return Curve(branch, varies, shown, stable.astype(bool), kind.astype(str))
+
+
+def _driven(curve: Along, found: list[Found]) -> dict[str, xr.Variable]:
+    """Frequency and amplitude of the forcing: of each motion what varies, and one number."""
+    drives = np.array([curve.drive(item.orbit.p) for item in found]).T
+    return {
+        name: variable("point" if given is None else (), values if given is None else given, *words)
+        for (name, words), values, given in zip(
+            DRIVE.items(), drives, (curve.frequency, curve.amplitude)
+        )
+    }
+
+
+def _shown(found: list[Found]) -> dict[str, xr.Variable]:
+    """What is seen of each motion at the probes."""
+    swing = np.stack([item.swing.displacement for item in found], axis=1)  # (k, m, samples)
+    shown, dims = periodic(swing), ("probe", "point")
+    harmonic = np.abs(np.fft.rfft(swing)[..., :HARMONICS]) / swing.shape[-1]
+    harmonic[..., 1:] *= 2.0
+    return {
+        "branch": variable("point", [item.branch for item in found], "1", "number of the branch"),
+        "maximum": variable(dims, shown.maximum, "m", "largest value of a period"),
+        "minimum": variable(dims, shown.minimum, "m", "smallest value of a period"),
+        "half_range": variable(
+            dims, shown.half_range, "m", "half the range of a period, peak to peak"
+        ),
+        "phase": variable(
+            dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
+        ),
+        "harmonic_amplitude": variable(
+            (*dims, "harmonic"), harmonic, "m", "amplitude of each harmonic of the forcing"
+        ),
+    }
+
+
+def _stability(found: list[Found], parts: int) -> dict[str, xr.Variable]:
+    """Floquet's multipliers, of a whole period."""
+    leading = [leading_first(item.multipliers)[0] for item in found]
+    largest = np.array(leading, dtype=complex) ** parts
+    names = {"real": largest.real, "imaginary": largest.imag}
+    return {
+        "stable": variable("point", np.int8(np.abs(largest) < 1.0), "1", "1: stable, 0: unstable"),
+        "multiplier_largest": variable(
+            "point", np.abs(largest), "1", "size of the largest Floquet multiplier"
+        ),
+        **{
+            f"multiplier_{name}": variable(
+                "point", part, "1", f"{name} part of the largest Floquet multiplier"
+            )
+            for name, part in names.items()
+        },
+    }
+
+
+def _endings(found: list[Found]) -> dict[str, xr.Variable]:
+    """What is special about a motion."""
+    kind = np.array([item.orbit.kind.value for item in found], dtype=object)
+    ratio = np.array([item.swing.range_ratio for item in found])
+    outcome = [
+        Outcome.LEFT_RANGE if item.orbit.outcome == Outcome.OK and left else item.orbit.outcome
+        for item, left in zip(found, ratio > MARGIN)
+    ]
+    words = np.array([word.value for word in outcome], dtype=object)
+    ended = "how the branch ended there, or whether the motion leaves the training range"
+    rows = {
+        "kind": variable("point", kind, "1", f"one of {', '.join(Kind)}"),
+        "outcome": variable("point", words, "1", ended),
+        "failed_at": variable("point", np.full(len(found), np.nan), "s", "unused"),
+    }
+    if np.isfinite(ratio).any():
+        rows["range_ratio"] = variable(
+            "point", ratio, "1", "largest reduced coordinate over the largest in the training data"
+        )
+    return rows
