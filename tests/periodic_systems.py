@@ -81,6 +81,15 @@ def reduced(mass, stiffness, load, cubic, damping, reach=2.0):
     return Reduced(rom, np.array(load, float), np.arange(n), damped, Integrator())
 
 
+def nonlinearly_damped(c1, c3, c5, cubic, reach):
+    """x'' + c1 x' + c3 x'^3 + c5 x'^5 + x + cubic x^3 = a sin(Omega t), as a reduced model."""
+    powers = np.array([[1, 0], [0, 1], [3, 0], [0, 3], [0, 5]])
+    drift = np.array([[0.0, 1.0, 0.0, 0.0, 0.0], [-1.0, -c1, -cubic, -c3, -c5]])
+    one, linear = np.eye(1), np.eye(2, dtype=np.int64)
+    rom = PolynomialRom(np.full(2, reach), one, np.ones(2), np.eye(2), linear, drift, powers, one)
+    return Reduced(rom, np.ones(1), np.array([0]), 1.0, Integrator())
+
+
 DUFFING = {
     "mass": np.eye(1),
     "stiffness": np.eye(1),

@@ -60,7 +60,9 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_derivative_is_that_of_the_steps(name):
-    """Central differences of the map along random directions, along frequency and amplitude."""
+    """Central differences of the map, and of what is in phase with the load, along random
+    directions, along frequency and amplitude.
+    """
     extra, options = CASES[name]
     flow = beam(extra, **options)
     assert flow.parts == (2 if name in ("mirrored", "stiffness damping", "sparse") else 1)
@@ -68,20 +70,32 @@ def test_the_derivative_is_that_of_the_steps(name):
     amplitude, frequency = 2e4, 1500.0
     x = flow(np.zeros(flow.size), frequency, amplitude, derivative=False).end
     found = flow(x, frequency, amplitude)
+    by_x = np.vstack([found.by_start, found.in_phase_by[:-2]])
     size = np.linalg.norm(x)
+
+    def change(*steps):
+        """Half of what changes between a step forth and a step back, and its own size."""
+        one, other = (
+            flow(
+                x + sign * steps[0], frequency + sign * steps[1], amplitude + sign * steps[2], False
+            )
+            for sign in (1, -1)
+        )
+        both = [np.append(item.end, item.in_phase) for item in (one, other)]
+        return 0.5 * (both[0] - both[1])
+
+    def close(one, other):
+        for part in (slice(0, -1), slice(-1, None)):
+            assert np.linalg.norm((one - other)[part]) < 2e-4 * np.linalg.norm(other[part])
+
     for _ in range(3):
         along = random.standard_normal(flow.size)
         along *= 1e-4 * size / np.linalg.norm(along)
-        ends = [flow(x + sign * along, frequency, amplitude, False).end for sign in (1, -1)]
-        change = 0.5 * (ends[0] - ends[1])
-        error = np.linalg.norm(found.by_start @ along - change)
-        assert error < 2e-4 * np.linalg.norm(change)
-    ends = [flow(x, frequency * (1 + d), amplitude, False).end for d in (1e-5, -1e-5)]
-    change = (ends[0] - ends[1]) / (2e-5 * frequency)
-    assert np.linalg.norm(found.by_frequency - change) < 2e-4 * np.linalg.norm(change)
-    ends = [flow(x, frequency, amplitude * (1 + d), False).end for d in (1e-4, -1e-4)]
-    change = (ends[0] - ends[1]) / (2e-4 * amplitude)
-    assert np.linalg.norm(found.by_amplitude - change) < 2e-4 * np.linalg.norm(change)
+        close(by_x @ along, change(along, 0.0, 0.0))
+    own = np.append(found.by_frequency, found.in_phase_by[-2])
+    close(1e-5 * frequency * own, change(0.0, 1e-5 * frequency, 0.0))
+    own = np.append(found.by_amplitude, found.in_phase_by[-1])
+    close(1e-4 * amplitude * own, change(0.0, 0.0, 1e-4 * amplitude))
 
 
 def test_half_a_period_twice_is_a_whole_one():

@@ -1,8 +1,10 @@
 """The forced response curve with all of its branches, stable or not, by continuation in frequency.
 
 What a sweep, or a start from rest, shows of a curve with folds is a part of it. Here the periodic
-motions themselves are followed, through the folds at which they lose stability. One row is one
-periodic motion. Source: Nayfeh and Balachandran, Applied Nonlinear Dynamics (1995), chapters 3, 6.
+motions themselves are followed, through the folds at which they lose stability. Isolas are closed
+curves apart from the rest; they are looked for from the motions at phase resonance, of which each
+has two, and from sweeps. One row is one periodic motion. Source: Nayfeh and Balachandran, Applied
+Nonlinear Dynamics (1995), chapters 3, 6.
 """
 
 from dataclasses import dataclass, replace
@@ -10,14 +12,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from vibrom.config.kinds import Count, NonNegative, Positive, Turn
+from vibrom.config.kinds import Count, NonNegative, Positive, Turn, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.curves import difference
 from vibrom.models.model import Model
 from vibrom.models.motions import curve_of, motions
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_frequency
-from vibrom.solvers.periodic.response import Span
+from vibrom.solvers.periodic.response import Near, Span
+from vibrom.solvers.periodic.starts import from_backbone, from_sweeps
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,9 @@ class Branches(Experiment):
     turn: Turn = 0.25  # rad, that a branch may turn between two points
     minor: NonNegative = 1e-3  # times the damped first frequency: two folds this close are minor
     frequencies: Count = 33  # at which stable motions are counted, as in the curve from rest
+    resonances: Whole = 60  # points of the backbone that is asked for isolas, at most; 0: none
+    sweeps: Whole = 0  # frequencies of sweeps up and down that are asked for isolas
+    periods: Count = 60  # at each frequency of these sweeps
 
     scores = {
         "folds": "1",
@@ -49,15 +55,25 @@ class Branches(Experiment):
 
     def brief(self) -> "Branches":
         """A few points."""
-        return replace(self, points=4)
+        return replace(self, points=4, resonances=0, sweeps=0)
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Every periodic motion that was found, one a row, branch after branch."""
-        flow, scale = model.return_map(), model.frequency
+        flow, scale, forcing = model.return_map(), model.frequency, float(self.forcing)
         span = Span(self.lowest * scale, self.highest * scale, self.points, self.minor * scale)
         pace = Pace(0.1 * (span.highest - span.lowest), turn=self.turn, newton=flow.free)
         grid = np.linspace(self.lowest, self.highest, self.frequencies) * scale
-        return motions(in_frequency(flow, float(self.forcing)), span, pace, grid, given.probe)
+
+        def near() -> list[Near]:
+            found = []
+            if self.resonances:
+                found += from_backbone(flow, forcing, self.resonances, self.turn)
+            if self.sweeps:
+                frequency = np.linspace(span.lowest, span.highest, self.sweeps + 2)[1:-1]
+                found += from_sweeps(flow, forcing, frequency, self.periods)
+            return found
+
+        return motions(in_frequency(flow, forcing), span, pace, grid, given.probe, near)
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds and peaks, and how far its branches are off."""

@@ -32,7 +32,7 @@ class SCurve(Experiment):
     forcing: Positive  # largest amplitude, times the scene's load
     points: Count = 150  # at most
     turn: Turn = 0.25  # rad, that the curve may turn between two points
-    minor: NonNegative = 2e-3  # times the largest forcing: two folds this close are minor
+    minor: NonNegative = 1e-2  # times the largest forcing: two folds this close are minor
     forcings: Count = 33  # at which stable motions are counted, up to the largest one
 
     scores = {

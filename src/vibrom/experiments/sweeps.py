@@ -19,6 +19,7 @@ from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
 from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap, Swing
+from vibrom.solvers.periodic.starts import swept
 
 DIRECTIONS = ("up", "down")
 APART = 0.01  # of the larger one: amplitudes that belong to two motions
@@ -58,9 +59,15 @@ class Sweeps(Experiment):
         frequency = np.linspace(self.lowest, self.highest, self.frequencies) * model.frequency
         prepare(flow, frequency[0])
         began = time.perf_counter()
-        runs = [self._swept(flow, frequency), self._swept(flow, frequency[::-1])]
-        swings = [runs[0][1], runs[1][1][::-1]]
-        points = [runs[0][0], runs[1][0][::-1]]
+        forcing = float(self.forcing)
+        up, down = (
+            swept(flow, order, forcing, self.periods, self.settle)
+            for order in (frequency, frequency[::-1])
+        )
+        points = [up, down[::-1]]
+        swings = [
+            [_swing(flow, x, omega, forcing) for x, omega in zip(row, frequency)] for row in points
+        ]
         shown = periodic(np.stack([[item.displacement for item in row] for row in swings]))
         jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0])
         seconds = time.perf_counter() - began
@@ -71,7 +78,7 @@ class Sweeps(Experiment):
             "jump_frequency": variable(
                 ("direction", "side"), jumps, "rad s-1", "frequencies between which it jumps"
             ),
-            "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
+            "forcing": variable((), forcing, "1", "amplitude, times the scene's load"),
             **outcome_variables(Outcome.OK, seconds=seconds),
             "outcome": variable(
                 dims[:2],
@@ -87,18 +94,6 @@ class Sweeps(Experiment):
             "side": variable("side", np.array(SIDES, object), "1", "of a jump"),
         }
         return xr.Dataset(answer, coords=coords)
-
-    def _swept(
-        self, flow: ReturnMap, frequency: np.ndarray
-    ) -> tuple[list[np.ndarray], list[Swing]]:
-        """The last point and the last period at each frequency, in this order."""
-        x, points, swings = np.zeros(flow.size), [], []
-        for number, omega in enumerate(frequency):
-            periods = self.periods + (self.settle if number == 0 else 0)
-            x = flow.after(x, omega, float(self.forcing), periods)
-            points.append(x)
-            swings.append(_swing(flow, x, omega, float(self.forcing)))
-        return points, swings
 
     def _jumps(
         self,

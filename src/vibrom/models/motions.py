@@ -5,6 +5,7 @@ Along the curve varies the frequency of the forcing, or its amplitude; the other
 """
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -16,7 +17,7 @@ from vibrom.models.measures import periodic
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import Along, prepare
-from vibrom.solvers.periodic.response import Found, Span, response
+from vibrom.solvers.periodic.response import Found, Near, Span, response
 from vibrom.solvers.periodic.stability import Kind, leading_first
 
 HARMONICS = 8  # 0 to 7 are kept
@@ -27,12 +28,19 @@ DRIVE = {  # of the forcing: unit and meaning
 
 
 def motions(
-    curve: Along, span: Span, pace: Pace, grid: np.ndarray, probe: xr.Variable
+    curve: Along,
+    span: Span,
+    pace: Pace,
+    grid: np.ndarray,
+    probe: xr.Variable,
+    near: Callable[[], list[Near]] = list,
 ) -> xr.Dataset:
-    """All that were found; how many are stable at each of `grid`, and where two or more are."""
+    """All that were found, those that guesses `near` them lead to among them; how many are stable
+    at each of `grid`, and where two or more are.
+    """
     prepare(curve.flow, curve.drive(span.lowest)[0])
     began = time.perf_counter()
-    found = response(curve, span, pace)
+    found = response(curve, span, pace, near())
     seconds = time.perf_counter() - began
     rows = _driven(curve, found) | _shown(found)
     rows |= _stability(found, curve.flow.parts) | _endings(found)

@@ -97,15 +97,23 @@ class Reduced:
         """See `Model.return_map`."""
         from vibrom.solvers.periodic.flow_map import FlowMap
 
-        rom = self.rom
+        rom, load = self.rom, self.load
+
+        def beside_along(z: np.ndarray) -> np.ndarray | None:
+            added = rom.beside(z, load)
+            return None if added is None else added @ load
+
         return FlowMap(
-            field=rom.field(self.load),
+            field=rom.field(load),
             drift=rom.drift,
-            force=lambda z: rom.force_map(z, self.load),
+            force=lambda z: rom.force_map(z, load),
             encode=rom.encode,
             decode=rom.decode,
             displacement=lambda z: rom.displacement(z, self.probes),
-            beside=lambda z: rom.beside(z, self.load, self.probes),
+            beside=lambda z: rom.beside(z, load, self.probes),
+            along=lambda z: rom.displacement(z) @ load,
+            beside_along=beside_along,
+            load=load,
             reach=rom.reach,
             frequency=self.frequency,
         )

@@ -46,6 +46,7 @@ class Path:
     newmark: Newmark
     step: float  # s
     signal: np.ndarray  # (steps + 1,) of unit amplitude
+    weight: np.ndarray  # (steps + 1,) of each step in the sum of p'q that is asked for
     displacement: np.ndarray  # (steps + 1, n) m
     velocity: np.ndarray  # (steps + 1, n) m/s
     acceleration: np.ndarray  # (steps + 1, n) m/s^2
@@ -69,17 +70,27 @@ class Path:
         return np.stack([self.velocity[:-1] + 2.0 * self.step * bend, faster], axis=1)
 
     @property
+    def load(self) -> np.ndarray:
+        """p (n,) [N]."""
+        return np.zeros(self.term.size) if self.term.load is None else self.term.load
+
+    @property
     def push(self) -> np.ndarray:
         """(steps, n) beta h^2 p du_k per unit of the signal's amplitude [m kg]."""
-        load = np.zeros(self.term.size) if self.term.load is None else self.term.load
-        return self.beta * self.step**2 * self.signal[1:, None] * load
+        return self.beta * self.step**2 * self.signal[1:, None] * self.load
+
+    @property
+    def watch(self) -> np.ndarray:
+        """(steps, n) of q_k in the sum [N]."""
+        return self.weight[1:, None] * self.load
 
 
 def carried(
     path: Path, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
-) -> np.ndarray:
-    """Changes (2, n, c) of displacement and velocity at the end that follow from changes `start`
-    (3, n, c) of displacement, velocity and acceleration, dh (c,) [s] and du (c,).
+) -> tuple[np.ndarray, np.ndarray]:
+    """Changes (2, n, c) of displacement and velocity at the end, and (c,) of the sum of the path's
+    weights times p'q, that follow from changes `start` (3, n, c) of displacement, velocity and
+    acceleration, dh (c,) [s] and du (c,).
     """
     half, term = half_bandwidth(path.term), path.term
     if half > path.newmark.widest_band or not all(force.symmetric for force in term.forces):
@@ -89,12 +100,13 @@ def carried(
 
 def _carried_sparse(
     path: Path, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """By a general sparse factorisation of each step."""
     h, by_v, by_q = path.step, path.gamma * path.step, path.beta * path.step**2
     whole, drag = Tangent(path.term, 1.0, by_v, by_q), Tangent(path.term, 0.0, 1.0, 0.0)
     q, v, a = start
-    for k, (faster, push) in enumerate(zip(path.by_step, path.push)):
+    seen = np.zeros(q.shape[1])
+    for k, (faster, push, watch) in enumerate(zip(path.by_step, path.push, path.watch)):
         at = path.displacement[k + 1][:, None], path.velocity[k + 1][:, None]
         q = q + h * v + h**2 * (0.5 - path.beta) * a + np.outer(faster[0], by_step)
         v = v + h * (1.0 - path.gamma) * a + np.outer(faster[1], by_step)
@@ -102,7 +114,8 @@ def _carried_sparse(
         end = splu(whole.at(*at)).solve(right + np.outer(push, by_signal))
         a = (end - q) / by_q
         q, v = end, v + by_v * a
-    return np.stack([q, v])
+        seen += watch @ q
+    return np.stack([q, v]), seen
 
 
 def _factors(
@@ -140,7 +153,7 @@ def _factors(
 
 def _carried_banded(
     path: Path, half: int, start: np.ndarray, by_step: np.ndarray, by_signal: np.ndarray
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
     """By the compiled kernels, all columns side by side."""
     term, h = path.term, path.step
     factors, drag = _factors(
@@ -150,7 +163,7 @@ def _carried_banded(
     mass = banded.product(term.mass, WIDE)
     damping = banded.product(None if rate else term.damping, WIDE)
     method = Method(h, path.gamma, path.beta, rate)
-    sources = np.ascontiguousarray(path.by_step), path.push
+    sources = np.ascontiguousarray(path.by_step), path.push, path.watch
     tables = Tables(factors, *mass, *damping, drag, *sources)
 
     count, n = start.shape[2], start.shape[1]
@@ -158,16 +171,17 @@ def _carried_banded(
     filled = np.zeros((groups * WIDE, 3, n))
     filled[:count] = start.transpose(2, 0, 1)
     lanes = np.ascontiguousarray(filled.reshape(groups, WIDE, 3, n).transpose(0, 2, 3, 1))
-    given = np.zeros((groups * WIDE, 2))
-    given[:count, 0], given[:count, 1] = by_step, by_signal
-    given = np.ascontiguousarray(given.reshape(groups, WIDE, 2).transpose(0, 2, 1))
+    given = np.zeros((groups, 3, WIDE))
+    for row, values in enumerate((by_step, by_signal)):
+        given[:, row] = np.append(values, np.zeros(groups * WIDE - count)).reshape(groups, WIDE)
 
     def one(group: int) -> None:
         _carry(lanes[group], given[group], tables, method)
 
     with ThreadPoolExecutor(threads()) as pool:
         list(pool.map(one, range(groups)))
-    return lanes[:, :2].transpose(1, 2, 0, 3).reshape(2, n, groups * WIDE)[:, :, :count]
+    ends = lanes[:, :2].transpose(1, 2, 0, 3).reshape(2, n, groups * WIDE)[:, :, :count]
+    return ends, given[:, 2].reshape(-1)[:count]
 
 
 def threads() -> int:
@@ -195,6 +209,7 @@ class Tables(NamedTuple):
     drag: Blocks  # (steps, n, b + 1) kg/s, bands of df/dv; empty where no force has one
     by_step: Blocks  # (steps, 2, n) see Path
     push: Rows  # (steps, n) see Path
+    watch: Rows  # (steps, n) see Path
 
 
 @part
@@ -239,12 +254,13 @@ def _substituted(x, dragged, y, given, tables, step):
 
 
 @part
-def _finished(state, y, tables, method, step):
-    """Back substitution, and the state at the end of the step."""
+def _finished(state, y, given, tables, method, step):
+    """Back substitution, the state at the end of the step, and what is seen of it."""
     q, v, a = state[0], state[1], state[2]
     n, depth = q.shape[0], tables.factors.shape[2]
     factor = tables.factors[step].reshape(n * depth)
     by_v, inverse = method.gamma * method.h, 1.0 / (method.beta * method.h * method.h)
+    seen = get(given, 2, WIDE)
     for i in range(n - 1, -1, -1):
         end = get(y, i, WIDE) * factor[i * depth]
         for d in range(min(depth, n - i) - 1, 0, -1):
@@ -254,6 +270,8 @@ def _finished(state, y, tables, method, step):
         put(q, i, end)
         put(v, i, get(v, i, WIDE) + by_v * change)
         put(a, i, change)
+        seen += tables.watch[step, i] * end
+    put(given, 2, seen)
 
 
 _SIGNATURE = types.void(*map(machine_type, (Blocks, Rows, Tables, Method)))
@@ -261,10 +279,10 @@ _SIGNATURE = types.void(*map(machine_type, (Blocks, Rows, Tables, Method)))
 
 @kernel(_SIGNATURE, fastmath=False, nogil=True)
 def _carry(state, given, tables, method):
-    """Carries `state` (3, n, WIDE) over all steps; `given` (2, WIDE) holds dh and du."""
+    """Carries `state` (3, n, WIDE) over all steps; `given` (3, WIDE) holds dh, du and the sum."""
     n = state.shape[1]
     x, y, dragged = room(n, WIDE), room(n, WIDE), room(n, WIDE)
     for step in range(tables.factors.shape[0]):
         _ahead(state, x, dragged, given, tables, method, step)
         _substituted(x, dragged, y, given, tables, step)
-        _finished(state, y, tables, method, step)
+        _finished(state, y, given, tables, method, step)

@@ -24,6 +24,10 @@ class Return:
     by_start: np.ndarray | None = None  # (m, m) dH/dx
     by_frequency: np.ndarray | None = None  # (m,) dH/dOmega, s
     by_amplitude: np.ndarray | None = None  # (m,) dH/damplitude
+    # s = 2/T int p'q sin(Omega t) dt [N m] of the displacement q from rest: what of its first
+    # harmonic is in phase with the load; and its derivative (m + 2,) along x, Omega and amplitude
+    in_phase: float | None = None
+    in_phase_by: np.ndarray | None = None
 
     @cached_property
     def multipliers(self) -> np.ndarray:
@@ -64,10 +68,22 @@ class ReturnMap(Protocol):
         """Does the derivative cost no more than the value?"""
         ...
 
+    @property
+    def load(self) -> np.ndarray:
+        """p (n,) [N] per unit of the amplitude."""
+        ...
+
     def __call__(
-        self, x: np.ndarray, frequency: float, amplitude: float, derivative: bool = True
+        self,
+        x: np.ndarray,
+        frequency: float,
+        amplitude: float,
+        derivative: bool = True,
+        phase: bool = False,
     ) -> Return:
-        """Where x (m,) is after a period, and, if it is wanted, the derivative."""
+        """Where x (m,) is after a period, and, if they are wanted, the derivative, and what is in
+        phase.
+        """
         ...
 
     def of_state(self, state: np.ndarray) -> np.ndarray:
@@ -80,6 +96,10 @@ class ReturnMap(Protocol):
 
     def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
         """The motions of points (b, m), each with its frequency (b,) and amplitude (b,)."""
+        ...
+
+    def states(self, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
+        """Displacement from rest and velocity (samples, 2n) over a whole period from x (m,)."""
         ...
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:

@@ -85,8 +85,23 @@ class NewmarkMap:
         q = self._coordinates.to(y) - self.rest
         return np.concatenate([q, solve_triangular(self._root, v)])
 
+    @property
+    def load(self) -> np.ndarray:
+        """p (n,) [N]."""
+        return np.zeros(self.term.size) if self.term.load is None else self.term.load
+
+    @cached_property
+    def _weight(self) -> np.ndarray:
+        """Of each step of one map in 2/T int p'q sin(Omega t) dt over a whole period."""
+        return 2.0 * self.parts / self.steps_per_period * self._signal
+
     def __call__(
-        self, x: np.ndarray, frequency: float, amplitude: float, derivative: bool = True
+        self,
+        x: np.ndarray,
+        frequency: float,
+        amplitude: float,
+        derivative: bool = True,
+        phase: bool = False,  # costs nothing
     ) -> Return:
         """Where x (2n,) is after a period."""
         drive = np.array([frequency]), np.array([amplitude])
@@ -102,11 +117,13 @@ class NewmarkMap:
         else:
             return Return(np.full(self.size, np.nan), ok=False)
         end = self._turned(np.concatenate([q[-1] - self.rest, v[-1]]))
-        found = Return(self.of_state(end), ok=True, rough=acceleration == "zero")
+        in_phase = float(self._weight @ ((q - self.rest) @ self.load))
+        rough = acceleration == "zero"
+        found = Return(self.of_state(end), ok=True, rough=rough, in_phase=in_phase)
         if not derivative:
             return found
         step = 2.0 * np.pi / frequency / self.steps_per_period
-        taken = Path(self.term, self.newmark, step, self._signal, q, v, a)
+        taken = Path(self.term, self.newmark, step, self._signal, self._weight, q, v, a)
         start = self._axes(q[0], v[0], found.rough)
         return replace(found, **self._slopes(taken, frequency, start, end))
 
@@ -123,6 +140,13 @@ class NewmarkMap:
             other = shown[:, np.searchsorted(watched, mirrored), :-1]
             half = np.concatenate([half, self.symmetry.sign[self.probes, None] * other], axis=2)
         return [Swing(shown, float("nan")) for shown in half]
+
+    def states(self, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
+        """The steps (steps, 2n) of a whole period from x (2n,)."""
+        drive = np.array([frequency]), np.array([amplitude])
+        motion = self._motion(self.state(x)[:, None], *drive, Record())
+        half = np.concatenate([motion.displacement[0] - self.rest, motion.velocity[0]], axis=1)[:-1]
+        return half if self.parts == 1 else np.concatenate([half, self._turned(half.T).T])
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
         """Where x (2n,) is after so many periods; NaN where the motion does not last."""
@@ -184,13 +208,12 @@ class NewmarkMap:
     def _slopes(
         self, taken: Path, frequency: float, start: np.ndarray, end: np.ndarray
     ) -> dict[str, np.ndarray]:
-        """dH/dx, dH/dOmega and dH/damplitude."""
+        """dH/dx, dH/dOmega, dH/damplitude and the derivative of what is in phase."""
         by_step, by_signal = np.zeros((2, start.shape[2]))
         by_step[-2], by_signal[-1] = -taken.step / frequency, 1.0
-        q, v = np.split(
-            self._turned(np.concatenate([*carried(taken, start, by_step, by_signal)])), 2
-        )
+        changes, seen = carried(taken, start, by_step, by_signal)
+        q, v = np.split(self._turned(np.concatenate([*changes])), 2)
         at = self.rest + end[: self.term.size]
         ends = np.concatenate([self._coordinates.slope(at, q), self._root @ v])
-        slopes = ends[:, :-2], ends[:, -2], ends[:, -1]
-        return dict(zip(("by_start", "by_frequency", "by_amplitude"), slopes))
+        slopes = ends[:, :-2], ends[:, -2], ends[:, -1], seen
+        return dict(zip(("by_start", "by_frequency", "by_amplitude", "in_phase_by"), slopes))

@@ -3,7 +3,8 @@
     x = H(x, Omega, a)   along Omega at one amplitude a of the forcing, or along a at one Omega
 
 A curve begins with the motion that hangs together with rest (see `equations`), at both ends of its
-range: there one motion is all there is, or else the others hang together with it.
+range: there one motion is all there is, or else the others hang together with it. An isola hangs
+together with none of them: guesses are needed, from the backbone (see `resonance`) or from sweeps.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from vibrom.solvers.periodic.stability import Kind
 FOLD = 1e-7  # of the scale of p: how well folds are located
 CIRCLE = 1e-3  # |ln |mu||: how well other losses of stability are
 PEAK = 3  # points that are added about a peak
+AROUND = 4  # points from a start, which a branch that comes back passes again
 SAME = 1e-3  # of the size of x: two motions at one frequency that differ by less are one
 
 
@@ -56,6 +58,9 @@ class Span:
     minor: float  # folds nearer to each other than this, in p, are minor ones
 
 
+Near = tuple[np.ndarray, float]  # x (m,) and p of a guess
+
+
 @dataclass(frozen=True)
 class Found:
     """An orbit, on which branch it lies and what it looks like."""
@@ -74,8 +79,8 @@ def branch(
     parts: int,
     known: Sequence[Orbit] = (),
 ) -> list[Orbit]:
-    """The orbits from `start` on, along its tangent, to the end of the span or to a branch that is
-    `known`; `parts` maps make a period.
+    """The orbits from `start` on, along its tangent, to the end of the span, to a branch that is
+    `known`, or back to the start; `parts` maps make a period.
     """
     orbits = [Orbit(start)]
     ending = Outcome.UNFINISHED
@@ -87,6 +92,11 @@ def branch(
             ending = Outcome.LOST
             break
         before = orbits[-1].point
+        if len(orbits) > AROUND and _meets(ahead.x, ahead.p, orbits[:AROUND]):
+            length = np.linalg.norm((start.u - before.u) / before.scale(pace))
+            ahead, ending = replace(start, arc=before.arc + float(length)), Outcome.OK
+            orbits += [*_special(problem, before, ahead, pace, parts), Orbit(ahead)]
+            break
         orbits += _special(problem, before, ahead, pace, parts)
         if not span.lowest < ahead.p < span.highest:
             edge = span.highest if ahead.p >= span.highest else span.lowest
@@ -95,22 +105,43 @@ def branch(
             orbits.append(Orbit(last))
             break
         orbits.append(Orbit(ahead))
-        if _meets(ahead, known):
+        if _meets(ahead.x, ahead.p, known):
             ending = Outcome.OK
             break
     orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
     return minor_folds(orbits, span.minor)
 
 
-def _meets(point: Point, known: Sequence[Orbit]) -> bool:
+def through(
+    problem: Problem, start: Point, span: Span, pace: Pace, parts: int, known: Sequence[Orbit] = ()
+) -> list[Orbit]:
+    """The whole branch on which `start` lies: an isola comes back to it, another one is followed
+    to both sides.
+    """
+    forth = branch(problem, start, span, pace, parts, known)
+    if forth[-1].point.x is start.x or len(forth) >= span.points:
+        return forth
+    turned = replace(start, tangent=-start.tangent)
+    back = branch(problem, turned, replace(span, points=span.points - len(forth)), pace, parts)
+    first = [
+        replace(
+            orbit,
+            point=replace(orbit.point, arc=-orbit.point.arc, tangent=-orbit.point.tangent),
+        )
+        for orbit in reversed(back[1:])
+    ]
+    return minor_folds(first + forth, span.minor)
+
+
+def _meets(x: np.ndarray, p: float, known: Sequence[Orbit]) -> bool:
     """Is this point between two that are known? Branches are apart by more than a chord sags."""
     for one, other in zip(known, known[1:]):
         low, high = one.point, other.point
-        if one.kind == Kind.END or (point.p - low.p) * (high.p - point.p) < 0.0:
+        if one.kind == Kind.END or (p - low.p) * (high.p - p) < 0.0:
             continue
         chord = high.x - low.x
-        share = (point.p - low.p) / ((high.p - low.p) or 1.0)
-        apart = np.linalg.norm(point.x - low.x - share * chord)
+        share = (p - low.p) / ((high.p - low.p) or 1.0)
+        apart = np.linalg.norm(x - low.x - share * chord)
         if apart <= 0.1 * np.linalg.norm(chord):
             return True
     return False
@@ -167,14 +198,16 @@ def minor_folds(orbits: list[Orbit], width: float) -> list[Orbit]:
     ]
 
 
-def response(curve: Along, span: Span, pace: Pace) -> list[Found]:
-    """All branches that hang together with the motions from rest at the ends of the span. Where
-    there is none, one row says so.
+def response(curve: Along, span: Span, pace: Pace, near: Sequence[Near] = ()) -> list[Found]:
+    """All branches that hang together with the motions from rest at the ends of the span, and those
+    on which motions `near` some x and p lie. Where there is none, one row says so.
     """
     # Matrices of some hundred rows gain nothing from a second thread of BLAS, whose threads wait
     # for one another in a busy loop: eigenvalues take five times as long.
     with threadpool_limits(limits=1, user_api="blas"):
         found = _hanging_together(curve, span, pace)
+        for x, p in near:
+            found += _apart(curve, x, p, span, pace, found)
     return found or _nothing(curve, span.lowest)
 
 
@@ -192,6 +225,24 @@ def _hanging_together(curve: Along, span: Span, pace: Pace) -> list[Found]:
             number = len({item.branch for item in found})
             found += peaked(curve, _measured(curve, orbits, number), pace)
     return found
+
+
+def _apart(
+    curve: Along, x: np.ndarray, p: float, span: Span, pace: Pace, found: list[Found]
+) -> list[Found]:
+    """The branch on which the motion near x and p lies, unless it is among those found."""
+    room, known = span.points - len(found), [item.orbit for item in found]
+    inside = span.lowest < p < span.highest and np.isfinite(x).all()
+    if room < 2 or not inside or _meets(x, p, known):
+        return []
+    try:
+        start = continuation.at(curve, x, p, pace)
+    except Lost:
+        return []
+    if _meets(start.x, start.p, known):
+        return []
+    orbits = through(curve, start, replace(span, points=room), pace, curve.flow.parts, known)
+    return peaked(curve, _measured(curve, orbits, len({item.branch for item in found})), pace)
 
 
 def _measured(curve: Along, orbits: list[Orbit], number: int) -> list[Found]:

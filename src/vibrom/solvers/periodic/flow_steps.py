@@ -1,0 +1,166 @@
+"""The Runge-Kutta steps of `flow_map`, of order 8, for many points side by side: in compiled code,
+or from numpy functions.
+
+    k_s = f(z + h sum_j a_sj k_j, t + c_s h),    z <- z + h sum_s b_s k_s
+
+The error of a step is estimated from the embedded formulas of order 5 and 3, as in DOP853.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+from scipy.integrate import DOP853
+
+from vibrom.kernels.compiled import Blocks, Numbers, Vector, machine_type, passing_kernels
+from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
+from vibrom.solvers.reduced.field import MAP, VectorField
+
+Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
+
+STAGES = DOP853.n_stages
+_A, _B, _C = (np.ascontiguousarray(part[..., :STAGES]) for part in (DOP853.A, DOP853.B, DOP853.C))
+_E3, _E5 = (np.ascontiguousarray(part[:STAGES]) for part in (DOP853.E3, DOP853.E5))
+_LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
+
+
+def compiled(
+    field: VectorField, reach: np.ndarray, points: np.ndarray, number: int, kept: int
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """(ends, samples, largest error of a step)."""
+    runs, r = len(points), len(reach)
+    groups = -(-runs // WIDTH)
+    filled = points[np.minimum(np.arange(groups * WIDTH), runs - 1)]
+    filled[:, :r] *= reach
+    lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
+    path = np.empty((groups * kept, r, WIDTH))
+    drift, force = field.drift, field.force
+    work = np.empty(WIDTH * max(drift.rows, force.rows))
+    tables = Tables(drift.numbers, drift.index, force.numbers, force.index, work)
+    worst = _flow(drift.function, force.function, tables, reach, number, lanes, path)
+    # (groups, ..., r, WIDTH) -> (runs, ..., r)
+    ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
+    samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
+    return ends, samples.reshape(-1, kept, r)[:runs] / reach, worst
+
+
+def plain(
+    functions: tuple[Function, Function],
+    reach: np.ndarray,
+    points: np.ndarray,
+    number: int,
+    kept: int,
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """The same from numpy functions."""
+    (drift, force), r = functions, len(reach)
+    frequency, amplitude = points[:, r], points[:, r + 1]
+    z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number)[:, None]
+    path, worst = np.empty((len(z), kept, r)), 0.0
+    slopes = np.empty((STAGES, *z.shape))
+    with np.errstate(all="ignore"):  # a model that blows up is a result, not a warning
+        for step in range(number):
+            if step % (number // kept) == 0:
+                path[:, step // (number // kept)] = z / reach
+            for s in range(STAGES):
+                y = z + h * np.tensordot(_A[s, :s], slopes[:s], 1)
+                signal = amplitude * np.sin(2.0 * np.pi * (step + _C[s]) / number)
+                slopes[s] = drift(y) + force(y) * signal[:, None]
+            z = z + h * np.tensordot(_B, slopes, 1)
+            five, three = ((h * np.tensordot(e, slopes, 1) / reach) ** 2 for e in (_E5, _E3))
+            error = np.where(five == 0.0, 0.0, five / np.sqrt(five + 0.01 * three))
+            worst = max(worst, float(np.nan_to_num(error, nan=np.inf).max()))
+            if kept == 1 and not np.abs(z / reach).max() < _LIMIT:
+                return z, path, np.inf
+    return z / reach, path, worst
+
+
+class Tables(NamedTuple):
+    """What the two compiled maps take beside the state."""
+
+    drift_numbers: Vector
+    drift_index: Numbers
+    force_numbers: Vector
+    force_index: Numbers
+    work: Vector  # scratch of the larger one
+
+
+@part
+def _weighted(slopes, weights, i, r, count):
+    """sum_s weights_s k_s of coordinate i over the first stages."""
+    total = fill(0.0, WIDTH)
+    for s in range(count):
+        if weights[s] != 0.0:
+            total += get(slopes, s * r + i, WIDTH) * weights[s]
+    return total
+
+
+@part
+def _worst(five, three, reach, worst):
+    """The largest of `worst` and the estimated errors, of the range; NaN is larger than all."""
+    for i in range(len(reach)):
+        for w in range(WIDTH):
+            one, other = (five[i, w] / reach[i]) ** 2, (three[i, w] / reach[i]) ** 2
+            error = one / np.sqrt(one + 0.01 * other) if one > 0.0 else one
+            if not error <= worst:
+                worst = error
+    return worst
+
+
+@part
+def _period(drift, force, tables, reach, number, lanes, path, scratch):
+    """One group; `scratch` ((STAGES + 2) r + 2, WIDTH)."""
+    r, kept, worst = len(reach), len(path), 0.0
+    z, drive = lanes[:r], lanes[r:]
+    h, signal, y, push = scratch[:1], scratch[1:2], scratch[2 : 2 + r], scratch[2 + r : 2 + 2 * r]
+    slopes = scratch[2 + 2 * r :]
+    for w in range(WIDTH):
+        h[0, w] = 2.0 * np.pi / drive[0, w] / number
+    length = get(h, 0, WIDTH)
+    for step in range(number):
+        if step % (number // kept) == 0:
+            shown = path[step // (number // kept)]
+            for i in range(r):
+                put(shown, i, get(z, i, WIDTH))
+        for s in range(STAGES):
+            for i in range(r):
+                put(y, i, get(z, i, WIDTH) + length * _weighted(slopes, _A[s], i, r, s))
+            out = slopes[s * r : (s + 1) * r]
+            drift(y, tables.drift_numbers, tables.drift_index, tables.work, out)
+            force(y, tables.force_numbers, tables.force_index, tables.work, push)
+            wave = np.sin(2.0 * np.pi * (step + _C[s]) / number)
+            for w in range(WIDTH):
+                signal[0, w] = drive[1, w] * wave
+            for i in range(r):
+                put(out, i, get(out, i, WIDTH) + get(signal, 0, WIDTH) * get(push, i, WIDTH))
+        for i in range(r):
+            put(z, i, get(z, i, WIDTH) + length * _weighted(slopes, _B, i, r, STAGES))
+            put(y, i, length * _weighted(slopes, _E5, i, r, STAGES))
+            put(push, i, length * _weighted(slopes, _E3, i, r, STAGES))
+        worst = _worst(y, push, reach, worst)
+        for i in range(r):
+            for w in range(WIDTH):
+                if kept == 1 and not abs(z[i, w]) < _LIMIT * reach[i]:
+                    return np.inf
+    return worst
+
+
+def _loop(drift, force, tables, reach, number, lanes, path):
+    """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
+    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH). The largest error of a
+    step, of the range.
+    """
+    worst, kept = 0.0, len(path) // len(lanes)
+    scratch = room((STAGES + 2) * len(reach) + 2, WIDTH)
+    for group in range(len(lanes)):
+        samples = path[group * kept : (group + 1) * kept]
+        error = _period(drift, force, tables, reach, number, lanes[group], samples, scratch)
+        worst = error if not error <= worst else worst
+    return worst
+
+
+with passing_kernels():
+    _records = (machine_type(item) for item in (Tables, Vector, int, Blocks, Blocks))
+    _flow = kernel(types.float64(MAP, MAP, *_records), fastmath={"contract"})(_loop)

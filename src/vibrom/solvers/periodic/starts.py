@@ -1,0 +1,48 @@
+"""Guesses of motions that do not hang together with rest: near the backbone, and at the ends of
+sweeps.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibrom.solvers.periodic.continuation import Lost
+from vibrom.solvers.periodic.maps import ReturnMap
+from vibrom.solvers.periodic.resonance import backbone
+from vibrom.solvers.periodic.response import Near
+
+BEYOND = 2.0  # times the forcing: how far a backbone is followed that may come back
+
+
+def from_backbone(flow: ReturnMap, amplitude: float, points: int, turn: float) -> list[Near]:
+    """Where a backbone of so many points passes this amplitude of the forcing: the peak of every
+    branch, and the foot of every isola.
+    """
+    try:
+        return backbone(flow, BEYOND * amplitude, points, turn).near(amplitude)
+    except Lost:
+        return []
+
+
+def from_sweeps(
+    flow: ReturnMap, amplitude: float, frequency: np.ndarray, periods: int
+) -> list[Near]:
+    """The motions after so many periods at each frequency (k,), upwards and downwards."""
+    return [
+        (x, omega)
+        for frequencies in (frequency, frequency[::-1])
+        for x, omega in zip(swept(flow, frequencies, amplitude, periods, 0), frequencies.tolist())
+    ]
+
+
+def swept(
+    flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int, settle: int
+) -> list[np.ndarray]:
+    """Points (m,) after so many periods at each frequency (k,) in this order, each carried on from
+    the one before; the first begins from rest and takes `settle` periods more.
+    """
+    x, points = np.zeros(flow.size), []
+    for number, omega in enumerate(frequency.tolist()):
+        x = flow.after(x, omega, amplitude, periods + (0 if number else settle))
+        points.append(x)
+    return points
