@@ -11,7 +11,8 @@ change dh of the step length and a change du of the signal follow the linearised
 
 which is exact: it is the derivative of the steps that were taken, numerical damping included. The
 matrix on the left is factorised once a step, WIDE steps side by side, and serves all columns;
-columns are carried WIDE at a time, on as many threads as OMP_NUM_THREADS allows. Bodies with a wide
+columns are carried WIDE at a time, on as many threads as OMP_NUM_THREADS allows, in two passes over
+their rows a step: what they read and write takes longer than what they compute. Bodies with a wide
 band, and forces whose tangent is not symmetric, are carried by `_carried_sparse`, one step after
 the other.
 """
@@ -170,7 +171,8 @@ def _carried_banded(
     groups = -(-count // WIDE)
     filled = np.zeros((groups * WIDE, 3, n))
     filled[:count] = start.transpose(2, 0, 1)
-    lanes = np.ascontiguousarray(filled.reshape(groups, WIDE, 3, n).transpose(0, 2, 3, 1))
+    lanes = room(groups * 3 * n, WIDE).reshape(groups, 3, n, WIDE)
+    lanes[:] = filled.reshape(groups, WIDE, 3, n).transpose(0, 2, 3, 1)
     given = np.zeros((groups, 3, WIDE))
     for row, values in enumerate((by_step, by_signal)):
         given[:, row] = np.append(values, np.zeros(groups * WIDE - count)).reshape(groups, WIDE)
@@ -213,30 +215,29 @@ class Tables(NamedTuple):
 
 
 @part
-def _ahead(state, x, dragged, given, tables, method, step):
-    """dq~ and dv~, and what multiplies M and C on the right side."""
-    q, v, a = state[0], state[1], state[2]
+def _ahead(state, right, place, now, given, tables, method):
+    """dq~ and dv~ of row i in a step, from dq, dv and da before it, and what multiplies M and C on
+    the right side.
+    """
+    (step, i), (here, faster, old) = place, now
     h, gamma, beta = method.h, method.gamma, method.beta
     dh = get(given, 0, WIDE)
-    for i in range(q.shape[0]):
-        here, old = get(v, i, WIDE), get(a, i, WIDE)
-        ahead = get(q, i, WIDE) + h * (here + h * (0.5 - beta) * old)
-        faster = here + h * (1.0 - gamma) * old
-        ahead += dh * tables.by_step[step, 0, i]
-        faster += dh * tables.by_step[step, 1, i]
-        lag = gamma * h * ahead - beta * h * h * faster
-        put(q, i, ahead)
-        put(v, i, faster)
-        put(x, i, ahead + method.rate * lag)
-        put(dragged, i, lag)
+    ahead = here + h * (faster + h * (0.5 - beta) * old) + dh * tables.by_step[step, 0, i]
+    later = faster + h * (1.0 - gamma) * old + dh * tables.by_step[step, 1, i]
+    lag = gamma * h * ahead - beta * h * h * later
+    put(state[0], i, ahead)
+    put(state[1], i, later)
+    put(right[0], i, ahead + method.rate * lag)
+    if tables.damping.size > 0 or tables.drag.size > 0:
+        put(right[1], i, lag)
 
 
 @part
-def _substituted(x, dragged, y, given, tables, step):
+def _substituted(y, right, given, tables, step):
     """The right side, and forward substitution row by row."""
-    n, depth = x.shape[0], tables.factors.shape[2]
+    n, depth = y.shape[0], tables.factors.shape[2]
     factor = tables.factors[step].reshape(n * depth)
-    du = get(given, 1, WIDE)
+    x, dragged, du = right[0], right[1], get(given, 1, WIDE)
     for i in range(n):
         total = du * tables.push[step, i]
         for k in range(tables.mass.shape[1]):
@@ -254,35 +255,42 @@ def _substituted(x, dragged, y, given, tables, step):
 
 
 @part
-def _finished(state, y, given, tables, method, step):
-    """Back substitution, the state at the end of the step, and what is seen of it."""
-    q, v, a = state[0], state[1], state[2]
-    n, depth = q.shape[0], tables.factors.shape[2]
+def _finished(state, right, given, tables, method, step):
+    """Back substitution, what is seen of the end of the step, and, while its rows are at hand, the
+    beginning of the next one.
+    """
+    q, v, y = state[0], state[1], state[2]
+    (steps, n, depth), seen = tables.factors.shape, get(given, 2, WIDE)
     factor = tables.factors[step].reshape(n * depth)
     by_v, inverse = method.gamma * method.h, 1.0 / (method.beta * method.h * method.h)
-    seen = get(given, 2, WIDE)
     for i in range(n - 1, -1, -1):
         end = get(y, i, WIDE) * factor[i * depth]
         for d in range(min(depth, n - i) - 1, 0, -1):
             end -= factor[i * depth + d] * get(y, i + d, WIDE)
         put(y, i, end)
-        change = inverse * (end - get(q, i, WIDE))
-        put(q, i, end)
-        put(v, i, get(v, i, WIDE) + by_v * change)
-        put(a, i, change)
         seen += tables.watch[step, i] * end
+        change = inverse * (end - get(q, i, WIDE))
+        faster = get(v, i, WIDE) + by_v * change
+        if step + 1 < steps:
+            now = (end, faster, change)
+            _ahead(state, right, (step + 1, i), now, given, tables, method)
+        else:
+            put(q, i, end)
+            put(v, i, faster)
     put(given, 2, seen)
 
 
 _SIGNATURE = types.void(*map(machine_type, (Blocks, Rows, Tables, Method)))
 
 
-@kernel(_SIGNATURE, fastmath=False, nogil=True)
+@kernel(_SIGNATURE, fastmath={"contract"}, nogil=True)
 def _carry(state, given, tables, method):
     """Carries `state` (3, n, WIDE) over all steps; `given` (3, WIDE) holds dh, du and the sum."""
     n = state.shape[1]
-    x, y, dragged = room(n, WIDE), room(n, WIDE), room(n, WIDE)
+    right = room(2 * n, WIDE).reshape(2, n, WIDE)
+    for i in range(n):
+        now = (get(state[0], i, WIDE), get(state[1], i, WIDE), get(state[2], i, WIDE))
+        _ahead(state, right, (0, i), now, given, tables, method)
     for step in range(tables.factors.shape[0]):
-        _ahead(state, x, dragged, given, tables, method, step)
-        _substituted(x, dragged, y, given, tables, step)
-        _finished(state, y, given, tables, method, step)
+        _substituted(state[2], right, given, tables, step)
+        _finished(state, right, given, tables, method, step)
