@@ -45,6 +45,7 @@ class SCurve(Experiment):
         "wrong_stable_motions": "1",
     }
     truth = "s_curve"
+    job = "curves"
     where_set = True
 
     def brief(self) -> "SCurve":
