@@ -2,9 +2,4 @@
 costs in time.
 """
 
-from importlib.metadata import PackageNotFoundError, version
-
-try:
-    __version__ = version("vibrom")
-except PackageNotFoundError:  # a folder of source that nobody installed
-    __version__ = "not installed"
+__version__ = "0.2.0.dev0"

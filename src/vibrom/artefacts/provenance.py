@@ -20,6 +20,7 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from vibrom import __version__
 from vibrom.config import source
 from vibrom.config.source import is_module, is_package, parse, tree
 
@@ -152,7 +153,11 @@ def packages(*entries: str) -> frozenset[str]:
 
 @cache
 def installed(package: str) -> str | None:
-    """The version of an import package, read from its metadata."""
+    """The version of an import package, read from its metadata; of this one from its source, which
+    may be newer than what was installed.
+    """
+    if package == "vibrom":
+        return __version__
     try:
         return version(DISTRIBUTION.get(package, package))
     except PackageNotFoundError:
