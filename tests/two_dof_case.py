@@ -24,21 +24,6 @@ EXPERIMENTS = {
 INTEGRATOR = {"rtol": 1e-8, "atol": 1e-10}
 
 
-def structure():
-    """With the operators that methods are fitted with."""
-    operators = {
-        "mass": two_dofs.MASS,
-        "damping": two_dofs.DAMPING * two_dofs.MASS,
-        "stiffness": two_dofs.STIFFNESS,
-    }
-    entries = {}
-    for name, matrix in operators.items():
-        rows, columns = np.nonzero(matrix)
-        for part, values in (("row", rows), ("column", columns), ("value", matrix[rows, columns])):
-            entries[f"{name}_{part}"] = variable(f"{name}_entry", values, "1", name)
-    return two_dofs.structure().assign(entries)
-
-
 def full_order():
     """What the full order answers, and its record."""
     model, found = two_dofs.full_order(), {"train": two_dofs.record(), "test": two_dofs.record()}
@@ -83,7 +68,7 @@ def case(*models, **changes):
     blocks = {"body": {}, "effects": {}, "record": {"periods": two_dofs.PERIODS}, "time": TIME}
     given = {
         "scene": blocks | {"experiments": EXPERIMENTS},
-        "structure": structure(),
+        "structure": two_dofs.structure(),
         "full_order": full_order(),
         "fitted": tuple(Fitted(model, answers()) for model in models),
         "integrator": INTEGRATOR,

@@ -8,6 +8,7 @@ import pytest
 import two_dofs
 
 from vibrom.experiments.branches import Branches
+from vibrom.experiments.resonance import Resonance
 from vibrom.experiments.s_curve import SCurve
 from vibrom.experiments.sweeps import Sweeps
 from vibrom.models.motions import curve_of
@@ -151,6 +152,30 @@ def test_an_exact_model_has_the_s_of_the_full_order(models, s_curve):
         linear["maximum"].values[0, -1] / linear["forcing"].values[-1],
         rtol=1e-5,
     )
+
+
+def test_backbones_tell_how_far_frequency_and_damping_are_off(models):
+    """Of a model with a tenth more damping; of one whose spring is a fifth stiffer; and of one that
+    gives way before it resonates.
+    """
+    asked = Resonance(forcing=FORCING)
+    truth = asked.ask(models[0], two_dofs.given())
+    changed = [{"damping": 0.044}, {"cubic": [6.0, 0.0]}, {"cubic": [-1e6, 0.0]}]
+    damped, stiffer, lost = (
+        asked.ask(systems.reduced(**systems.TWO | change), two_dofs.given()) for change in changed
+    )
+    scores = asked.score(damped, truth)
+    assert scores["damping_error_percent"] == pytest.approx(10.0, abs=0.1)
+    assert scores["frequency_error_percent"] < 0.1  # of the chords between its points
+    scores = asked.score(stiffer, truth)
+    # A cubic spring shifts the square of the frequency in proportion to its stiffness.
+    frequency, amplitude = (truth[name].values for name in ("angular_frequency", "amplitude"))
+    squares = np.interp(amplitude[0], stiffer["amplitude"][0], stiffer["angular_frequency"]) ** 2
+    shifts = squares - frequency[0] ** 2, frequency**2 - frequency[0] ** 2
+    assert shifts[0][5] / shifts[1][5] == pytest.approx(1.2, abs=0.05)
+    assert scores["frequency_error_percent"] > 0.2
+    assert lost["outcome"].values.tolist() == ["lost"]
+    assert np.isnan(list(asked.score(lost, truth).values())).all()
 
 
 def test_a_budget_of_points_is_kept(models, branches):

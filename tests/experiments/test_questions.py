@@ -8,9 +8,9 @@ import xarray as xr
 from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.experiments import response
-from vibrom.experiments.backbone import frequency_error, peak_finding_and_fitting
+from vibrom.experiments.backbone import peak_finding_and_fitting
 from vibrom.experiments.decay import Decay
-from vibrom.models.measures import crossings, curve_error, nmte_percent, periodic
+from vibrom.models.measures import backbone_error, crossings, curve_error, nmte_percent, periodic
 from vibrom.models.recorded import differences
 from vibrom.models.rollout import Drive, Integrator, rollout
 
@@ -104,7 +104,7 @@ def test_too_short_a_decay_has_no_backbone():
         0,
         0,
     ]
-    assert np.isnan(frequency_error((np.zeros(0),) * 2, (np.ones(3),) * 2))
+    assert np.isnan(backbone_error((np.zeros(0),) * 2, (np.ones(3),) * 2))
 
 
 def test_differences_are_of_sixth_order():

@@ -29,9 +29,16 @@ SAMPLES, PERIODS = 50, 12  # stored instants of a period, and how long the recor
 
 
 def structure() -> xr.Dataset:
-    """What experiments read of a scene's structure."""
+    """What experiments and methods read of a scene's structure."""
+    operators = {"mass": MASS, "damping": DAMPING * MASS, "stiffness": STIFFNESS}
+    entries = {}
+    for name, matrix in operators.items():
+        rows, columns = np.nonzero(matrix)
+        for part, values in (("row", rows), ("column", columns), ("value", matrix[rows, columns])):
+            entries[f"{name}_{part}"] = variable(f"{name}_entry", values, "1", name)
     dataset = xr.Dataset(
-        {
+        entries
+        | {
             "frequency": variable("mode", FREQUENCIES, "rad s-1", "frequencies"),
             "damping_ratio": variable("mode", RATIOS, "1", "damping ratios"),
             "mode_shape": variable(("mode", "dof"), MODES, "kg-0.5", "modes"),

@@ -17,7 +17,8 @@ scenes: [small, large]
 methods: [modal_projection, split, split_plus]
 seeds: [0, 1]
 experiments:
-  [reconstruction, decay, backbone, forced, frc, branches, s_curve, sweeps, eigenvalues, run_times]
+  [reconstruction, decay, backbone, forced, frc, branches, s_curve, resonance, sweeps, eigenvalues,
+   run_times]
 integrator: {rtol: 1.0e-4, atol: 1.0e-6}
 scene_settings:
   all:
@@ -36,6 +37,7 @@ scene_settings:
     experiments:
       branches: {forcing: 100.0, lowest: 0.9, highest: 1.1, points: 12}
       s_curve: {frequency: 1.0, forcing: 100.0, points: 6}
+      resonance: {forcing: 100.0, points: 6}
       sweeps: {forcing: 100.0, periods: 2, settle: 0, frequencies: 3}
 method_settings:
   split: {epochs: 2, rank: 6}

@@ -14,7 +14,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.experiments import Experiment, Given
-from vibrom.models.measures import crossings
+from vibrom.models.measures import backbone_error, crossings
 from vibrom.models.model import Model
 
 MEAN_OF = 4
@@ -55,7 +55,7 @@ class Backbone(Experiment):
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Error of the frequency at the first probe over the amplitudes that both reach."""
-        return {"frequency_error_percent": frequency_error(*map(first_probe, (answer, truth)))}
+        return {"frequency_error_percent": backbone_error(*map(first_probe, (answer, truth)))}
 
 
 def first_probe(backbone: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -93,19 +93,3 @@ def peak_finding_and_fitting(
         np.convolve(values, window, mode="valid") for values in (amplitude, frequency, slope)
     )
     return amplitude, frequency, -slope / frequency
-
-
-def frequency_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) -> float:
-    """Mean of |omega - omega_true| / omega_true in percent over the amplitudes that both curves
-    reach; NaN without a common one.
-    """
-    if not (len(curve[0]) and len(true[0])):
-        return float("nan")
-    order, order_true = np.argsort(curve[0]), np.argsort(true[0])
-    common = true[0][order_true]
-    common = common[(common >= curve[0].min()) & (common <= curve[0].max())]
-    if len(common) == 0:
-        return float("nan")
-    model = np.interp(common, curve[0][order], curve[1][order])
-    reference = np.interp(common, true[0][order_true], true[1][order_true])
-    return float(100 * np.mean(np.abs(model / reference - 1)))

@@ -1,5 +1,5 @@
 """Numbers that compare motions, each defined once: errors of trajectories and of response curves,
-amplitude and phase of a periodic response, zero crossings.
+amplitude and phase of a periodic response, zero crossings; backbones.
 """
 
 from __future__ import annotations
@@ -86,3 +86,19 @@ def crossings(time: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     (before,) = np.nonzero(np.signbit(x[:-1]) != np.signbit(x[1:]))
     rise = x[before + 1] - x[before]
     return time[before] - x[before] * (time[before + 1] - time[before]) / rise, before
+
+
+def backbone_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) -> float:
+    """Mean of |y/y_true - 1| in percent over the amplitudes that both curves reach, of curves
+    (amplitude, y), where y is a frequency or a damping ratio; NaN without a common amplitude.
+    """
+    if not (len(curve[0]) and len(true[0])):
+        return float("nan")
+    order, order_true = np.argsort(curve[0]), np.argsort(true[0])
+    common = true[0][order_true]
+    common = common[(common >= curve[0].min()) & (common <= curve[0].max())]
+    if len(common) == 0:
+        return float("nan")
+    model = np.interp(common, curve[0][order], curve[1][order])
+    reference = np.interp(common, true[0][order_true], true[1][order_true])
+    return float(100 * np.mean(np.abs(model / reference - 1)))

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csr_matrix
+from threadpoolctl import threadpool_limits
 
 from vibrom.solvers.periodic import continuation
 from vibrom.solvers.periodic.continuation import Pace, Value
@@ -90,7 +91,8 @@ def backbone(flow: ReturnMap, highest: float, points: int, turn: float) -> Backb
     problem = Resonance(flow, flow.frequency, size / LOWEST, float(along) / size)
     start = continuation.at(problem, np.append(linear.x, 0.0), lowest, pace)
     span = Span(0.5 * lowest, highest, points, 0.0)
-    return Backbone(problem, branch(problem, start, span, pace, flow.parts))
+    with threadpool_limits(limits=1, user_api="blas"):  # see `response`
+        return Backbone(problem, branch(problem, start, span, pace, flow.parts))
 
 
 def damping_ratio(
