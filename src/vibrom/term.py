@@ -85,9 +85,9 @@ class Term:
     load: np.ndarray | None = None  # p (n,) N per unit of the signal
     dead_load: np.ndarray | None = None  # p_0 (n,) N
     # (3, 3) N/m: stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness
-    # included
+    # included; of a body in space (6, 6) Pa, see `kernels/saint_venant_kirchhoff.py`
     elastic: np.ndarray | None = None
-    # (n, 2) kg: the mass that a uniform acceleration along x and y moves, M times the rigid
+    # (n, dim) kg: the mass that a uniform acceleration along x, y (, z) moves, M times the rigid
     # translations, clamped dofs included
     carried: np.ndarray | None = None
 

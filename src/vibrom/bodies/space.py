@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import skfem
 from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from vibrom.config.errors import closest
 from vibrom.config.instance import instance, plug
 from vibrom.config.kinds import Direction, Point
 from vibrom.config.scene import SHAPE
@@ -28,7 +30,7 @@ ON_NODE = 1e-6  # of the smallest edge of the mesh: farther away a point is no n
 class Probe:
     """A displacement that is recorded."""
 
-    at: Point  # m, a node
+    at: Point  # m, a node, or its name
     direction: Direction
 
 
@@ -38,11 +40,15 @@ class Space:
 
     basis: skfem.Basis  # vector-valued, with the quadrature of the stiffness
     scalar: skfem.Basis  # the same element, one component
-    thickness: float  # m
-    clamped: tuple[str, ...]  # names of the boundaries that cannot move
+    thickness: float  # m of a plane body, 1 of one in space
+    clamped: tuple[str, ...]  # names of the groups that cannot move
     free: np.ndarray  # (n,) scikit-fem's number of each free dof
     named: np.ndarray  # (dim, N) m, the coordinates by which points are named, of all dofs
     probes: dict[str, int]  # name -> free dof
+    mass: skfem.Basis | None = None  # with the quadrature of the mass, where that is another one
+    groups: Mapping[str, np.ndarray] = field(
+        default_factory=dict
+    )  # name -> dofs, beside boundaries
 
     @property
     def size(self) -> int:
@@ -115,15 +121,44 @@ class Space:
             nodes.insert(1, self.basis.facet_dofs[:, facets])
         return np.stack(nodes).transpose(2, 0, 1)
 
-    def dof(self, key: str, at: Sequence[float], direction: str) -> int:
-        """The free dof at a point, for the entry `key` of the scene."""
+    def boundary(self, key: str, name: str) -> np.ndarray:
+        """The facets of a named boundary, for the entry `key` of the scene."""
+        known = self.basis.mesh.boundaries or {}
+        if name not in known:
+            what = "a group of points" if name in self.groups else "no boundary of the body"
+            raise SceneError(f"{key} = {name!r} is {what}; {closest(name, known)}")
+        return known[name]
+
+    def along(self, key: str, direction: str) -> int:
+        """The axis of a direction, for the entry `key` of the scene."""
         axes = AXES[: self.dimension]
-        if direction not in axes or len(at) != len(axes):
+        if direction not in axes:
             raise SceneError(
-                f"{key} = {list(at)} along {direction!r} is not in the body; give "
-                f"{', '.join(axes)} of a node and one of these directions"
+                f"{key} = {direction!r} is not in the body; {closest(direction, axes)}"
+            )
+        return axes.index(direction)
+
+    def dof(self, key: str, at: Sequence[float] | str, direction: str) -> int:
+        """The free dof at a point, or at a node of this name, for the entry `key` of the scene."""
+        axes = AXES[: self.dimension]
+        if direction not in axes or not (isinstance(at, str) or len(at) == len(axes)):
+            raise SceneError(
+                f"{key} = {at if isinstance(at, str) else list(at)} along {direction!r} is not in "
+                f"the body; give {', '.join(axes)} of a node and one of these directions"
             )
         along = np.flatnonzero(self.axis == axes.index(direction))
+        shown = repr(at) if isinstance(at, str) else list(at)
+        chosen = self._named if isinstance(at, str) else self._nearest
+        dof = chosen(key, at, along)
+        for boundary in self.clamped:
+            if dof in dofs_of(self.basis, boundary, self.groups):
+                raise SceneError(
+                    f"{key}.at = {shown} lies on the clamped boundary {boundary} and cannot "
+                    "move; choose another node"
+                )
+        return int(self.number[dof])
+
+    def _nearest(self, key: str, at: Sequence[float], along: np.ndarray) -> int:
         distance = np.linalg.norm(self.named[:, along].T - np.asarray(at, float), axis=1)
         nearest = along[np.argmin(distance)]
         if distance.min() > ON_NODE * shortest_edge(self.basis.mesh):
@@ -131,13 +166,19 @@ class Space:
             raise SceneError(
                 f"{key}.at = {list(at)} is no node of the mesh; the nearest one is {node}"
             )
-        for boundary in self.clamped:
-            if nearest in self.basis.get_dofs(boundary).all():
-                raise SceneError(
-                    f"{key}.at = {list(at)} lies on the clamped boundary {boundary} and cannot "
-                    "move; choose another node"
-                )
-        return int(self.number[nearest])
+        return nearest
+
+    def _named(self, key: str, at: str, along: np.ndarray) -> int:
+        known = [*self.groups, *(self.basis.mesh.boundaries or {})]
+        if at not in known:
+            raise SceneError(f"{key}.at = {at!r} is no group of the mesh; {closest(at, known)}")
+        found = np.intersect1d(dofs_of(self.basis, at, self.groups), along)
+        if len(found) != 1:
+            raise SceneError(
+                f"{key}.at = {at!r} is a group of {len(found)} nodes; name one of a single node, "
+                "or give its coordinates"
+            )
+        return found[0]
 
     def watched(self, probes: Mapping[str, Probe]) -> Space:
         """The same with these probes."""
@@ -154,13 +195,37 @@ def shortest_edge(mesh: skfem.Mesh) -> float:
     return float(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=0).min())
 
 
-def movable(basis: skfem.Basis, clamped: Iterable[str]) -> np.ndarray:
-    """Scikit-fem's dofs that lie on none of these boundaries, in its order."""
-    held = [basis.get_dofs(boundary).all() for boundary in clamped]
+def dofs_of(basis: skfem.Basis, name: str, groups: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Scikit-fem's dofs of a group or boundary."""
+    return groups[name] if name in groups else basis.get_dofs(name).all()
+
+
+def movable(
+    basis: skfem.Basis, clamped: Iterable[str], groups: Mapping[str, np.ndarray] | None = None
+) -> np.ndarray:
+    """Scikit-fem's dofs that lie on none of these boundaries or groups, in its order."""
+    held = [dofs_of(basis, name, groups or {}) for name in clamped]
     free = np.setdiff1d(np.arange(basis.N), np.concatenate(held) if held else [])
     if len(free) < 2:
         raise SceneError("body.clamped leaves nothing to move; clamp less, or take more elements")
     return free
+
+
+def numbered(scalar: skfem.Basis, basis: skfem.Basis, free: np.ndarray) -> np.ndarray:
+    """Scikit-fem's free dofs in the order of reverse Cuthill and McKee: node by node, so that
+    matrices are bands, and fill little.
+    """
+    dim, nodes = basis.mesh.dim(), scalar.element_dofs
+    pairs = np.broadcast_arrays(nodes[:, None], nodes[None])
+    row, column = (part.ravel() for part in pairs)
+    graph = csr_matrix((np.ones(len(row), np.int8), (row, column)), shape=(scalar.N, scalar.N))
+    graph.data[:] = 1
+    place = np.empty(scalar.N, np.int64)
+    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(scalar.N)
+    of_node = np.empty((basis.N,), np.int64)
+    for i in range(dim):
+        of_node[basis.element_dofs[i::dim]] = dim * place[nodes] + i
+    return free[np.argsort(of_node[free])]
 
 
 def build(body: Mapping[str, Any]) -> Space:

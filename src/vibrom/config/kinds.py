@@ -30,12 +30,18 @@ Units = Annotated[int, Meta(ge=1, le=10_000)]  # of a layer: its weights are the
 Order = Annotated[int, Meta(ge=1, le=100)]  # of a polynomial
 Seed = Annotated[int, Meta(ge=0, lt=2**32)]
 
-Point = tuple[float, float]  # m
+Group = Annotated[str, Meta(min_length=1, max_length=60)]  # named in a mesh
+Coordinates = Annotated[list[float], Meta(min_length=2, max_length=3)]  # m
+MeshFile = Annotated[str, Meta(min_length=1)]  # a path, from the folder of the scene's file on
+ElementOrder = Annotated[int, Meta(ge=1, le=2)]
+Point = Group | Coordinates  # m, or the name of a group of one node
 Lines = Annotated[int, Meta(ge=1, le=100_000)]  # of elements
 Cells = tuple[Lines, Lines]  # along the length, over the height
-Direction = Literal["x", "y"]
+Direction = Literal["x", "y", "z"]
 Edge = Literal["left", "right", "bottom", "top"]
+Face = Literal["left", "right", "bottom", "top", "back", "front"]
 Element = Literal["bilinear", "quadratic", "serendipity"]
+SolidElement = Literal["trilinear", "quadratic", "serendipity"]
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*\Z"
 DEVICE = r"^(auto|cpu|cuda(:[0-9]+)?)\Z"

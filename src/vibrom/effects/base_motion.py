@@ -10,7 +10,7 @@ Structures, 26-1.
 
 from dataclasses import dataclass
 
-from vibrom.bodies.space import AXES, Space
+from vibrom.bodies.space import Space
 from vibrom.config.kinds import Direction
 from vibrom.term import Term
 
@@ -23,4 +23,4 @@ class BaseMotion:
 
     def assemble(self, space: Space, base: Term) -> Term:
         carried = base.require("carried", "base_motion", "inertia")
-        return Term(load=-carried[:, AXES.index(self.direction)])
+        return Term(load=-carried[:, space.along("effects.base_motion.direction", self.direction)])

@@ -1,7 +1,7 @@
 """Linear isotropic elasticity:  K_ij = b int eps(N_i) : C : eps(N_j) dA,  b the thickness.
 
-C : eps = lambda tr(eps) 1 + 2 mu eps,  mu = E/(2 (1 + nu)).  Plane strain: lambda = E nu/((1 + nu)
-(1 - 2 nu)); plane stress: lambda = E nu/(1 - nu^2).
+C : eps = lambda tr(eps) 1 + 2 mu eps,  mu = E/(2 (1 + nu)).  Plane strain, and a body in space,
+where b = 1: lambda = E nu/((1 + nu) (1 - 2 nu)); plane stress: lambda = E nu/(1 - nu^2).
 """
 
 from dataclasses import dataclass
@@ -21,22 +21,29 @@ STAGE = "stiffness"
 class Elasticity:
     young_modulus: Positive  # Pa
     poisson_ratio: PoissonRatio
-    plane: Literal["stress", "strain"] = "stress"
+    plane: Literal["stress", "strain"] = "stress"  # of a plane body
 
     def assemble(self, space: Space, base: Term) -> Term:
-        stiffness = linear_elasticity(*self.lame()).assemble(space.basis)
+        lame = self.lame(space.dimension)
         return Term(
-            stiffness=space.matrix(space.thickness * stiffness),
-            elastic=space.thickness * self.moduli(),
+            stiffness=space.matrix(
+                space.thickness * linear_elasticity(*lame).assemble(space.basis)
+            ),
+            elastic=space.thickness * moduli(*lame, space.dimension),
         )
 
-    def lame(self) -> tuple[float, float]:
+    def lame(self, dimension: int) -> tuple[float, float]:
         """Lambda and mu [Pa]."""
-        plane = plane_stress if self.plane == "stress" else lame_parameters
-        return plane(self.young_modulus, self.poisson_ratio)
+        thin = self.plane == "stress" and dimension == 2
+        found = plane_stress if thin else lame_parameters
+        return found(self.young_modulus, self.poisson_ratio)
 
-    def moduli(self) -> np.ndarray:
-        """D (3, 3) [Pa]: (s11, s22, s12) over (e11, e22, 2 e12)."""
-        first, shear = self.lame()
-        direct = first + 2.0 * shear
-        return np.array([[direct, first, 0.0], [first, direct, 0.0], [0.0, 0.0, shear]])
+
+def moduli(first: float, shear: float, dimension: int) -> np.ndarray:
+    """D [Pa] (3, 3): (s11, s22, s12) over (e11, e22, 2 e12); (6, 6) of a body in space."""
+    strains = dimension * (dimension + 1) // 2
+    found = np.diag(np.full(strains, shear))
+    found[:dimension, :dimension] = first
+    direct = range(dimension)
+    found[direct, direct] = first + 2.0 * shear
+    return found

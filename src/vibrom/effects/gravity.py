@@ -1,4 +1,4 @@
-"""Weight:  p_0 = M_all (g_x, g_y),  a dead load on every mass, the clamped nodes'
+"""Weight:  p_0 = M_all (g_x, g_y, g_z),  a dead load on every mass, the clamped nodes'
 share included.
 
 The body then oscillates about the shape that its weight gives it: modes, release states and
@@ -9,7 +9,7 @@ body's modes.
 from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
-from vibrom.term import Term
+from vibrom.term import SceneError, Term
 
 STAGE = "dead_load"
 
@@ -18,6 +18,12 @@ STAGE = "dead_load"
 class Gravity:
     x: float = 0.0  # m/s^2
     y: float = -9.81  # m/s^2
+    z: float = 0.0  # m/s^2, of a body in space
 
     def assemble(self, space: Space, base: Term) -> Term:
-        return Term(dead_load=base.require("carried", "gravity", "inertia") @ [self.x, self.y])
+        carried = base.require("carried", "gravity", "inertia")
+        if self.z and space.dimension == 2:
+            raise SceneError(
+                f"effects.gravity.z = {self.z:g} pulls out of the plane of the body; leave it out"
+            )
+        return Term(dead_load=carried @ [self.x, self.y, self.z][: space.dimension])

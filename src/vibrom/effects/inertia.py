@@ -20,7 +20,7 @@ class Inertia:
     def assemble(self, space: Space, base: Term) -> Term:
         mass = skfem.BilinearForm(
             lambda u, v, w: self.density * space.thickness * dot(u, v)
-        ).assemble(space.basis)
+        ).assemble(space.mass or space.basis)
         return Term(
             mass=space.matrix(mass),
             carried=space.vector(mass @ np.eye(space.dimension)[space.axis]),

@@ -1,4 +1,4 @@
-"""Between a body and its elements, in lanes: nodes with two displacements each.
+"""Between a body and its elements, in lanes: nodes with `dim` displacements each.
 
 An element's displacements are gathered relative to its last node: as shape functions add up to
 one, rigid translations then make no force to the last bit, and the last node's part is minus the
@@ -10,11 +10,11 @@ from vibrom.kernels.lanes import fill, get, inlined, put
 
 
 @inlined
-def gather(q, first, dofs, e, u, states, width):
-    """Displacements u (2 shapes, width) of an element's nodes relative to its last node, which is
+def gather(q, first, dofs, e, u, dim, states, width):
+    """Displacements u (dim shapes, width) of an element's nodes relative to its last node, which is
     itself left as it is; q begins at row `first`.
     """
-    last = u.shape[0] - 2
+    last = u.shape[0] - dim
     for a in range(u.shape[0]):
         if states == 1:
             for lane in range(width):
@@ -24,7 +24,7 @@ def gather(q, first, dofs, e, u, states, width):
             dof = dofs[e, a]
             put(u, a, get(q, first + dof, width) if dof >= 0 else fill(0.0, width))
     for a in range(last):
-        put(u, a, get(u, a, width) - get(u, last + a % 2, width))
+        put(u, a, get(u, a, width) - get(u, last + a % dim, width))
 
 
 @inlined
@@ -43,38 +43,38 @@ def scatter(g, dofs, e, f, states, width):
 
 
 @inlined
-def complete(ke, free, width):
+def complete(ke, free, dim, width):
     """The rows of the last node: what they lack for rigid translations to make no force."""
-    first = free * (2 * free + 1)  # entry of the last node's first row
-    for row in range(2 * free):
-        for column in range(2 * free):
-            at = first + column if row % 2 == 0 else first + 2 * free + 1 + column
-            high, low = max(row, column), min(row, column)
+    first = dim * free  # the last node's first row
+    for row in range(first):
+        for column in range(first):
+            last = first + row % dim
+            at, high, low = last * (last + 1) // 2 + column, max(row, column), min(row, column)
             put(ke, at, get(ke, at, width) - get(ke, high * (high + 1) // 2 + low, width))
-    for i in range(2):
-        row = first + i * (2 * free + 1)
-        for column in range(2 * free):
-            if column % 2 <= i:
-                at = row + 2 * free + column % 2
+    for i in range(dim):
+        row = (first + i) * (first + i + 1) // 2
+        for column in range(first):
+            if column % dim <= i:
+                at = row + first + column % dim
                 put(ke, at, get(ke, at, width) - get(ke, row + column, width))
 
 
 @inlined
-def complete_whole(ke, free, width):
+def complete_whole(ke, free, dim, width):
     """The same of a matrix that is not symmetric: whole, row by row."""
-    size = 2 * (free + 1)
-    for row in range(2 * free):
-        for i in range(2):
+    size, last = dim * (free + 1), dim * free
+    for row in range(last):
+        for i in range(dim):
             total = fill(0.0, width)
             for b in range(free):
-                total -= get(ke, row * size + 2 * b + i, width)
-            put(ke, row * size + 2 * free + i, total)
+                total -= get(ke, row * size + dim * b + i, width)
+            put(ke, row * size + last + i, total)
     for column in range(size):
-        for i in range(2):
+        for i in range(dim):
             total = fill(0.0, width)
             for a in range(free):
-                total -= get(ke, (2 * a + i) * size + column, width)
-            put(ke, (2 * free + i) * size + column, total)
+                total -= get(ke, (dim * a + i) * size + column, width)
+            put(ke, (last + i) * size + column, total)
 
 
 @inlined

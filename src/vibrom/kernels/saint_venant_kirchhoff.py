@@ -1,155 +1,257 @@
-"""The St. Venant-Kirchhoff material at a point of a plane element, in lanes; see
-`effects/geometric_nonlinearity.py`.
+"""The St. Venant-Kirchhoff material at a point of an element, in lanes; see
+`effects/geometric_nonlinearity.py`. One text for bodies of two and of three dimensions.
 
-A point's rows of the table are D_11, D_12 and D_33 times thickness and weight, then dN_a/dX_1 and
-dN_a/dX_2 of all nodes but the last, relative to which displacements are.
+Gradients H_iJ, stresses P_iJ and the like are tuples by rows; strains e_11, e_22, (e_33, 2 e_23, 2
+e_13,) 2 e_12 and their stresses are in the order of PAIRS. A point's rows of the table are D_11,
+D_12 and the shear modulus times thickness and weight, then dN_a/dX_J of all nodes but the last,
+relative to which displacements are.
 """
 
-from vibrom.kernels.lanes import entry, fill, get, inlined, put
+from vibrom.kernels.lanes import fill, inlined
+from vibrom.kernels.unrolled import sum_of, unrolled
+
+# Dimension -> the two directions of each component of a strain.
+PAIRS = {2: ((0, 0), (1, 1), (0, 1)), 3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))}
+SIDES = {4: 2, 9: 3}  # components of H -> dimension
 
 
-@inlined
-def gradient(u, table, at, e, free, states, width):
-    """H_11, H_12, H_21, H_22 at the point whose rows of the table begin at `at`."""
-    h0 = h1 = h2 = h3 = fill(0.0, width)
-    for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        ux, uy = get(u, 2 * a, width), get(u, 2 * a + 1, width)
-        h0 += n0 * ux
-        h1 += n1 * ux
-        h2 += n0 * uy
-        h3 += n1 * uy
-    return h0, h1, h2, h3
+@unrolled
+def undeformed(zero, dim):
+    """H at rest."""
+    return (zero,) * dim**2
 
 
-@inlined
+@unrolled
+def unstrained(zero, dim):
+    """Strains at rest."""
+    return (zero,) * len(PAIRS[dim])
+
+
+@unrolled
 def moduli(table, at, e, states):
-    """D_11, D_12, D_33 times thickness and weight of the point."""
-    d11, d12 = entry(table, at, e, states), entry(table, at + 1, e, states)
-    return d11, d12, entry(table, at + 2, e, states)
+    """D_11, D_12 and the shear modulus, times thickness and weight of the point."""
+    return tuple(table.entry(at + k, e, states) for k in range(3))
+
+
+@unrolled
+def slope(table, at, a, e, dim, states):
+    """dN_a/dX_J."""
+    return tuple(table.entry(at + 3 + a * dim + j, e, states) for j in range(dim))
+
+
+@unrolled
+def add_node(h, u, n, a, width):
+    """H with what node a adds."""
+    dim = len(n)
+    x = [u.get(a * dim + i, width) for i in range(dim)]
+    return tuple(h[dim * i + j] + n[j] * x[i] for i in range(dim) for j in range(dim))
 
 
 @inlined
-def quadratic_strains(h):
-    """e_11, e_22 and 2 e_12 of H'H/2."""
-    e11, e22 = 0.5 * (h[0] * h[0] + h[2] * h[2]), 0.5 * (h[1] * h[1] + h[3] * h[3])
-    return e11, e22, h[0] * h[1] + h[2] * h[3]
-
-
-@inlined
-def add_force(u, more, g, table, at, e, states, width):
-    """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last; `more`
-    are strains beside those of u.
-    """
-    free = u.shape[0] // 2 - 1
-    d11, d12, d33 = moduli(table, at, e, states)
-    h0, h1, h2, h3 = h = gradient(u, table, at, e, free, states, width)
-    # Quadratic strains e, their stresses r, and all stresses s.
-    one = quadratic_strains(h)
-    e11, e22, e12 = one[0] + more[0], one[1] + more[1], one[2] + more[2]
-    r11, r22, r12 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22, d33 * e12
-    s11, s22 = r11 + d11 * h0 + d12 * h3, r22 + d12 * h0 + d11 * h3
-    s12 = r12 + d33 * (h1 + h2)
-    p0, p1 = h0 * s11 + h1 * s12 + r11, h0 * s12 + h1 * s22 + r12
-    p2, p3 = h2 * s11 + h3 * s12 + r12, h2 * s12 + h3 * s22 + r22
+def gradient(u, table, at, e, free, dim, states, width):
+    """H at the point whose rows of the table begin at `at`."""
+    h = undeformed(fill(0.0, width), dim)
     for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        put(g, 2 * a, get(g, 2 * a, width) + n0 * p0 + n1 * p1)
-        put(g, 2 * a + 1, get(g, 2 * a + 1, width) + n0 * p2 + n1 * p3)
+        h = add_node(h, u, slope(table, at, a, e, dim, states), a, width)
+    return h
+
+
+@unrolled
+def quadratic_strains(h):
+    """Those of H'H/2."""
+    dim = SIDES[len(h)]
+    products = {
+        (i, j): sum_of(h[dim * k + i] * h[dim * k + j] for k in range(dim)) for i, j in PAIRS[dim]
+    }
+    return tuple(0.5 * products[i, j] if i == j else products[i, j] for i, j in PAIRS[dim])
+
+
+@unrolled
+def strains(h):
+    """Those of (H + H' + H'H)/2."""
+    dim = SIDES[len(h)]
+    found = []
+    for i, j in PAIRS[dim]:
+        squares = [h[dim * k + i] * h[dim * k + j] for k in range(dim)]
+        linear = [h[dim * i + j], h[dim * j + i]]
+        found.append(h[dim * i + i] + 0.5 * sum_of(squares) if i == j else sum_of(linear + squares))
+    return tuple(found)
+
+
+@unrolled
+def stresses(d, e):
+    """D : e."""
+    dim = 2 if len(e) == 3 else 3
+    direct = [sum_of(d[i != k] * e[k] for k in range(dim)) for i in range(dim)]
+    return (*direct, *(d[2] * e[k] for k in range(dim, len(e))))
+
+
+@unrolled
+def added_stress(d, h, more):
+    """F S - D : eps; `more` are strains beside those of H."""
+    dim = SIDES[len(h)]
+    r = stresses.plain(d, tuple(x + y for x, y in zip(quadratic_strains.plain(h), more)))
+    s = []
+    for number, (i, j) in enumerate(PAIRS[dim]):
+        if i == j:
+            s.append(sum_of([r[number], *(d[i != k] * h[dim * k + k] for k in range(dim))]))
+        else:
+            s.append(r[number] + d[2] * (h[dim * i + j] + h[dim * j + i]))
+    r, s = _square(r), _square(s)
+    return tuple(
+        sum_of([*(h[dim * i + k] * s[k][j] for k in range(dim)), r[i][j]])
+        for i in range(dim)
+        for j in range(dim)
+    )
+
+
+def _square(x):
+    """A symmetric tensor as rows."""
+    dim = 2 if len(x) == 3 else 3
+    place = {pair: number for number, pair in enumerate(PAIRS[dim])}
+    return [[x[place[min(i, j), max(i, j)]] for j in range(dim)] for i in range(dim)]
+
+
+@unrolled
+def add_share(g, p, n, a, width):
+    """P_iJ dN_a/dX_J to g."""
+    dim = len(n)
+    for i in range(dim):
+        parts = [n[j] * p[dim * i + j] for j in range(dim)]
+        g.put(a * dim + i, sum_of([g.get(a * dim + i, width), *parts]))
 
 
 @inlined
-def elasticity(table, at, e, h, states):
-    """A_iJ,jL of a point by rows of i and columns of j: xx (symmetric), yy (symmetric), xy."""
-    d11, d12, d33 = moduli(table, at, e, states)
-    h0, h1, h2, h3 = h
-    e11, e22 = h0 + 0.5 * (h0 * h0 + h2 * h2), h3 + 0.5 * (h1 * h1 + h3 * h3)
-    s11, s22 = d11 * e11 + d12 * e22, d12 * e11 + d11 * e22
-    s12 = d33 * (h1 + h2 + h0 * h1 + h2 * h3)
-    f0, f3 = 1.0 + h0, 1.0 + h3
-    xx00 = d11 * (f0 * f0) + d33 * (h1 * h1) + s11
-    xx01 = (d12 + d33) * (f0 * h1) + s12
-    xx11 = d11 * (h1 * h1) + d33 * (f0 * f0) + s22
-    yy00 = d11 * (h2 * h2) + d33 * (f3 * f3) + s11
-    yy01 = (d12 + d33) * (h2 * f3) + s12
-    yy11 = d11 * (f3 * f3) + d33 * (h2 * h2) + s22
-    f02, f13, f03, f12 = f0 * h2, h1 * f3, f0 * f3, h1 * h2
-    xy00, xy01 = d11 * f02 + d33 * f13, d12 * f03 + d33 * f12
-    xy10, xy11 = d12 * f12 + d33 * f03, d11 * f13 + d33 * f02
-    return (xx00, xx01, xx11), (yy00, yy01, yy11), (xy00, xy01, xy10, xy11)
+def add_force(u, more, g, table, at, e, free, dim, states, width):
+    """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last."""
+    h = gradient(u, table, at, e, free, dim, states, width)
+    p = added_stress(moduli(table, at, e, states), h, more)
+    for a in range(free):
+        add_share(g, p, slope(table, at, a, e, dim, states), a, width)
+
+
+def _block(d, row, column):
+    """F_iI G_jK D_IJ,KL by rows J of a row i of F and a row j of G."""
+    dim = len(row)
+    made = []
+    for j in range(dim):
+        for l in range(dim):
+            if j == l:
+                shear = [d[2] * (row[i] * column[i]) for i in range(dim) if i != j]
+                made.append(sum_of([d[0] * (row[j] * column[j]), *shear]))
+            elif row is column:
+                made.append((d[1] + d[2]) * (row[j] * row[l]))
+            else:
+                made.append(d[1] * (row[j] * column[l]) + d[2] * (row[l] * column[j]))
+    return made
+
+
+def _rows(h):
+    """The rows of F."""
+    dim = SIDES[len(h)]
+    rows = [list(h[dim * i : dim * (i + 1)]) for i in range(dim)]
+    for i in range(dim):
+        rows[i][i] = 1.0 + rows[i][i]
+    return rows
+
+
+@unrolled
+def elasticity(d, h):
+    """A_iJ,jL of a point: block by block of i and j, by rows J."""
+    dim = SIDES[len(h)]
+    f, s = _rows(h), _square(stresses.plain(d, strains.plain(h)))
+    stress = [s[j][l] for j in range(dim) for l in range(dim)]
+    blocks = {(i, j): _block(d, f[i], f[j]) for i in range(dim) for j in range(i, dim)}
+    for i in range(dim):
+        blocks[i, i] = [x + y for x, y in zip(blocks[i, i], stress)]
+        for j in range(i):  # A_jL,iJ
+            blocks[i, j] = [blocks[j, i][dim * l + k] for k in range(dim) for l in range(dim)]
+    return tuple(x for i in range(dim) for j in range(dim) for x in blocks[i, j])
+
+
+@unrolled
+def mean_elasticity(d, h, k):
+    """The same with F of the middle H for i and of the end H + K for j, and the stress of the mean
+    strain.
+    """
+    dim = SIDES[len(h)]
+    parts = zip(PAIRS[dim], quadratic_strains.plain(h), quadratic_strains.plain(k))
+    mean = []
+    for (i, j), one, more in parts:
+        linear = h[dim * i + i] if i == j else h[dim * i + j] + h[dim * j + i]
+        mean.append(linear + one + more)
+    s = _square(stresses.plain(d, mean))
+    f, end = _rows(h), _rows([x + y for x, y in zip(h, k)])
+    made = []
+    for i in range(dim):
+        for j in range(dim):
+            block = _block(d, f[i], end[j])
+            stress = [s[a][b] for a in range(dim) for b in range(dim)]
+            made += [x + y for x, y in zip(block, stress)] if i == j else block
+    return tuple(made)
+
+
+@unrolled
+def contracted(n, moduli):
+    """n_J A_iJ,jL: block by block of i and j."""
+    dim = len(n)
+    return tuple(
+        sum_of(n[j] * moduli[dim * (dim * block + j) + l] for j in range(dim))
+        for block in range(dim * dim)
+        for l in range(dim)
+    )
+
+
+@unrolled
+def add_entries(ke, first, step, t, m, above, width):
+    """t_ij,L m_L to the rows i of ke, a lower triangle in which they begin at first, first + step,
+    first + 2 step + 1: to columns up to i or, of `above`, beyond it.
+    """
+    dim = len(m)
+    for i in range(dim):
+        for j in range(i + 1, dim) if above else range(i + 1):
+            place = first + step * i + (i * (i - 1) // 2 + j)
+            parts = [m[l] * t[dim * (dim * i + j) + l] for l in range(dim)]
+            ke.put(place, sum_of([ke.get(place, width), *parts]))
 
 
 @inlined
-def add_tangent(u, ke, table, at, e, free, states, width):
+def add_tangent(u, ke, table, at, e, free, dim, states, width):
     """Adds a point's share of dN_a/dX_J A_iJ,jL dN_b/dX_L to ke, for all nodes but the last: lower
     triangle, row by row.
     """
-    h = gradient(u, table, at, e, free, states, width)
-    xx, yy, xy = elasticity(table, at, e, h, states)
+    h = gradient(u, table, at, e, free, dim, states, width)
+    a_ij = elasticity(moduli(table, at, e, states), h)
     for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
-        txx0, txx1 = n0 * xx[0] + n1 * xx[1], n0 * xx[1] + n1 * xx[2]
-        txy0, txy1 = n0 * xy[0] + n1 * xy[2], n0 * xy[1] + n1 * xy[3]
-        tyx0, tyx1 = n0 * xy[0] + n1 * xy[1], n0 * xy[2] + n1 * xy[3]
-        tyy0, tyy1 = n0 * yy[0] + n1 * yy[1], n0 * yy[1] + n1 * yy[2]
-        x_row, y_row = a * (2 * a + 1), (a + 1) * (2 * a + 1)
+        t, row = contracted(slope(table, at, a, e, dim, states), a_ij), dim * a
         for b in range(a + 1):
-            m0 = entry(table, at + 3 + 2 * b, e, states)
-            m1 = entry(table, at + 4 + 2 * b, e, states)
-            x, y = x_row + 2 * b, y_row + 2 * b
-            put(ke, x, get(ke, x, width) + m0 * txx0 + m1 * txx1)
-            put(ke, y, get(ke, y, width) + m0 * tyx0 + m1 * tyx1)
-            put(ke, y + 1, get(ke, y + 1, width) + m0 * tyy0 + m1 * tyy1)
+            m, place = slope(table, at, b, e, dim, states), row * (row + 1) // 2 + dim * b
+            add_entries(ke, place, row + 1, t, m, 0, width)
             if b < a:
-                put(ke, x + 1, get(ke, x + 1, width) + m0 * txy0 + m1 * txy1)
+                add_entries(ke, place, row + 1, t, m, 1, width)
+
+
+@unrolled
+def add_whole(ke, first, size, t, m, width):
+    """t_ij,L m_L to the rows i of ke, `size` long."""
+    dim = len(m)
+    for i in range(dim):
+        for j in range(dim):
+            place = first + (size * i + j)
+            parts = [m[l] * t[dim * (dim * i + j) + l] for l in range(dim)]
+            ke.put(place, sum_of([ke.get(place, width), *parts]))
 
 
 @inlined
-def block(d, row, column, s):
-    """A_iJ,jL of a row i of F and a row j of F at the end of the step, and S of the mean strain
-    where i = j, else zeros.
-    """
-    same11, same22 = row[0] * column[0], row[1] * column[1]
-    one00, one11 = d[0] * same11 + d[2] * same22, d[0] * same22 + d[2] * same11
-    mixed01, mixed10 = row[0] * column[1], row[1] * column[0]
-    one01, one10 = d[1] * mixed01 + d[2] * mixed10, d[1] * mixed10 + d[2] * mixed01
-    return one00 + s[0], one01 + s[2], one10 + s[2], one11 + s[1]
-
-
-@inlined
-def add_mean_tangent(u, half, ke, table, at, e, states, width):
+def add_mean_tangent(u, half, ke, table, at, e, free, dim, states, width):
     """Adds a point's share of the mean force's derivative to ke, for all nodes but the last: the
     whole matrix, row by row.
     """
-    free = u.shape[0] // 2 - 1
-    h = gradient(u, table, at, e, free, states, width)
-    k = gradient(half, table, at, e, free, states, width)
-    d = moduli(table, at, e, states)
-    one, more = quadratic_strains(h), quadratic_strains(k)
-    e11, e22, e12 = h[0] + one[0] + more[0], h[3] + one[1] + more[1], h[1] + h[2] + one[2] + more[2]
-    s = d[0] * e11 + d[1] * e22, d[1] * e11 + d[0] * e22, d[2] * e12
-    none = fill(0.0, width)
-    x, y = (1.0 + h[0], h[1]), (h[2], 1.0 + h[3])
-    x_end, y_end = (1.0 + h[0] + k[0], h[1] + k[1]), (h[2] + k[2], 1.0 + h[3] + k[3])
-    xx, yy = block(d, x, x_end, s), block(d, y, y_end, s)
-    xy, yx = block(d, x, y_end, (none, none, none)), block(d, y, x_end, (none, none, none))
-    size = 2 * (free + 1)
+    h = gradient(u, table, at, e, free, dim, states, width)
+    k = gradient(half, table, at, e, free, dim, states, width)
+    a_ij, size = mean_elasticity(moduli(table, at, e, states), h, k), dim * (free + 1)
     for a in range(free):
-        n0 = entry(table, at + 3 + 2 * a, e, states)
-        n1 = entry(table, at + 4 + 2 * a, e, states)
+        t = contracted(slope(table, at, a, e, dim, states), a_ij)
         for b in range(free):
-            m0 = entry(table, at + 3 + 2 * b, e, states)
-            m1 = entry(table, at + 4 + 2 * b, e, states)
-            place = 2 * a * size + 2 * b
-            p00, p01, p10, p11 = n0 * m0, n0 * m1, n1 * m0, n1 * m1
-            added = p00 * xx[0] + p01 * xx[1] + p10 * xx[2] + p11 * xx[3]
-            put(ke, place, get(ke, place, width) + added)
-            added = p00 * xy[0] + p01 * xy[1] + p10 * xy[2] + p11 * xy[3]
-            put(ke, place + 1, get(ke, place + 1, width) + added)
-            added = p00 * yx[0] + p01 * yx[1] + p10 * yx[2] + p11 * yx[3]
-            put(ke, place + size, get(ke, place + size, width) + added)
-            added = p00 * yy[0] + p01 * yy[1] + p10 * yy[2] + p11 * yy[3]
-            put(ke, place + size + 1, get(ke, place + size + 1, width) + added)
+            m, place = slope(table, at, b, e, dim, states), dim * (a * size + b)
+            add_whole(ke, place, size, t, m, width)
