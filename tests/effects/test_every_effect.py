@@ -22,19 +22,25 @@ from vibrom.term import Term
 NAMES = sorted(
     path.stem for path in Path(effects.__file__).parent.glob("*.py") if path.stem != "__init__"
 )
-# Settings of any effect on a body of 1 m x 0.2 m: by name where a number will not do, else 0.3.
+# Settings of any effect on a body of 1 m x 0.2 m (x 0.1 m): by name where a number will not do,
+# else 0.3; and those that only bodies of the other dimension have.
 PLACED = {"at": [1.0, 0.1], "direction": "y", "edge": "right"}
 NUMBER = 0.3
+OTHERS = {2: {"z"}, 3: {"shear"}}
 STATES = 16
 
 
-def settings(name: str) -> dict:
+def settings(name: str, dimension: int) -> dict:
     """A value for each setting of an effect that has no choice of its own."""
     module = importlib.import_module(f"vibrom.effects.{name}")
     (kind,) = (item for item in vars(module).values() if hasattr(item, "assemble"))
     hints, chosen = get_type_hints(kind), {}
     for field in dataclasses.fields(kind):
-        if field.name in PLACED:
+        if field.name in OTHERS[dimension]:
+            continue
+        if field.name == "at":
+            chosen[field.name] = [*PLACED["at"], 0.1][:dimension]
+        elif field.name in PLACED:
             chosen[field.name] = PLACED[field.name]
         elif hints[field.name] is float:
             chosen[field.name] = NUMBER
@@ -43,14 +49,18 @@ def settings(name: str) -> dict:
     return chosen
 
 
-@pytest.fixture(scope="module", params=["bilinear", "quadratic", "serendipity"])
+@pytest.fixture(scope="module", params=["bilinear", "quadratic", "serendipity", "block"])
 def made(request):
-    return space.build(body(cells=[2, 2], height=0.2, element=request.param))
+    size = {"height": 0.2, "element": request.param}
+    if request.param == "block":
+        size |= {"shape": "block", "width": 0.1, "element": "trilinear", "cells": [1, 2, 1]}
+    return space.build(body(**{"cells": [2, 2], **size}))
 
 
-def listed(name: str) -> dict[str, dict]:
+def listed(name: str, made) -> dict[str, dict]:
     """The effect after those that it may need."""
-    return {needed: settings(needed) for needed in ("inertia", "elasticity", name)}
+    needed = ("inertia", "elasticity", name)
+    return {effect: settings(effect, made.dimension) for effect in needed}
 
 
 def states(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -75,12 +85,13 @@ def alone(array: np.ndarray, state: int) -> np.ndarray:
 def test_it_adds_something_of_the_right_shape(name, made):
     """And what is constant is a number."""
     needed = [other for other in ("inertia", "elasticity") if other != name]
-    base = effects.assemble(made, {other: settings(other) for other in needed})
-    term = effects.load(name, settings(name)).assemble(made, base)
+    base = effects.assemble(made, {other: settings(other, made.dimension) for other in needed})
+    term = effects.load(name, settings(name, made.dimension)).assemble(made, base)
     parts = {field.name: getattr(term, field.name) for field in dataclasses.fields(term)}
     assert parts.pop("forces") or any(part is not None for part in parts.values())
-    n = made.size
-    shapes = {"load": (n,), "dead_load": (n,), "elastic": (3, 3), "carried": (n, 2)}
+    n, dim = made.size, made.dimension
+    strains = dim * (dim + 1) // 2
+    shapes = {"load": (n,), "dead_load": (n,), "elastic": (strains,) * 2, "carried": (n, dim)}
     for field, part in parts.items():
         if part is not None:
             assert part.shape == shapes.get(field, (n, n))
@@ -89,7 +100,7 @@ def test_it_adds_something_of_the_right_shape(name, made):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_its_matrices_are_symmetric_and_its_forces_vanish_at_rest(name, made):
-    term = effects.assemble(made, listed(name))
+    term = effects.assemble(made, listed(name, made))
     for matrix in (term.mass, term.damping, term.stiffness):
         if matrix is not None:
             assert abs(matrix - matrix.T).max() <= 1e-14 * abs(matrix).max()
@@ -102,7 +113,7 @@ def test_its_tangent_is_the_derivative_of_its_force(name, made):
     extrapolation are exact up to the fourth degree.
     """
     term = dataclasses.replace(
-        effects.assemble(made, listed(name)), mass=None, damping=None, stiffness=None
+        effects.assemble(made, listed(name, made)), mass=None, damping=None, stiffness=None
     )
     if not term.forces:
         return
@@ -132,7 +143,7 @@ def test_its_tangent_is_the_derivative_of_its_force(name, made):
 @pytest.mark.parametrize("name", NAMES)
 def test_states_side_by_side_are_each_as_alone(name, made):
     """Its force, and its tangent in the band."""
-    term = effects.assemble(made, listed(name))
+    term = effects.assemble(made, listed(name, made))
     q, v = states(made.size)
     together, half = force(term, q, v), made.size - 1
     for state in range(STATES):
@@ -158,7 +169,7 @@ def test_its_mean_force_does_the_work_of_its_potential(name, made):
     """From q - d to q + d, against an integral of the force along the path; and its tangent is the
     derivative by the end of a step whose start stays. The same side by side as alone.
     """
-    term = effects.assemble(made, listed(name))
+    term = effects.assemble(made, listed(name, made))
     n, step, rng = made.size, 1e-3, np.random.default_rng(8)
     for one in term.forces:
         if one.mean is None:

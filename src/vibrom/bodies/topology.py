@@ -94,7 +94,10 @@ def _middle(place: np.ndarray, corners: np.ndarray, middles: np.ndarray) -> np.n
 
 def _keys(nodes: np.ndarray, size: int) -> np.ndarray:
     """A number for each facet or edge, from up to three of its corners (k, m)."""
-    lowest = np.sort(nodes, axis=0)[:3].astype(np.int64)
+    lowest = np.sort(nodes, axis=0).astype(np.int64)
+    twice = lowest[1:] == lowest[:-1]  # a triangle among quadrilaterals repeats a corner
+    lowest[1:][twice] = size
+    lowest = np.sort(lowest, axis=0)[:3]
     key = lowest[0]
     for row in lowest[1:]:
         key = key * size + row
@@ -126,7 +129,7 @@ def facets_of(
                 facets.append(surface[among])
             elif len(wanted) == 2 and mesh.dim() == 3:
                 continue
-            elif len(wanted) in (mesh.dim(), 4 if mesh.dim() == 3 else 2):
+            elif mesh.dim() - 1 == (1 if len(wanted) == 2 else 2):
                 place = _find(mesh.facets, wanted, len(vertex))
                 if (place < 0).any():
                     raise SceneError(

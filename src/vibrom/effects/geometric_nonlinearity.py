@@ -139,12 +139,12 @@ def _force(dim: int, shapes: int, points: int, mean: int, states: int):
                 gather(q, v.shape[0], dofs, e, half, dim, states, width)
             for a in range(rows):
                 put(g, a, fill(0.0, width))
-            for point in range(points):
-                at = point * stride
+            for number in range(points):
+                point = number * stride, e
                 more = unstrained(fill(-0.0, width), dim)  # zero would change the sign of -0
                 if mean == 1:
-                    more = quadratic_strains(gradient(half, table, at, e, free, dim, states, width))
-                add_force(u, more, g, table, at, e, free, dim, states, width)
+                    more = quadratic_strains(gradient(half, table, point, free, dim, states, width))
+                add_force(u, more, g, table, point, dim, states, width)
             for a in range(dim * free):
                 last = dim * free + a % dim
                 put(g, last, get(g, last, width) - get(g, a, width))
@@ -167,8 +167,8 @@ def _tangent(dim: int, shapes: int, points: int, states: int):
                 put(ke, number, 0.0 - entry(table, points * stride + number, e, states))
             for number in range(of_free, entries):
                 put(ke, number, fill(0.0, width))
-            for point in range(points):
-                add_tangent(u, ke, table, point * stride, e, free, dim, states, width)
+            for number in range(points):
+                add_tangent(u, ke, table, (number * stride, e), free, dim, states, width)
             complete(ke, free, dim, width)
             scatter_tangent(ke, slots, e, scale_q, values, states, width)
 
@@ -191,9 +191,9 @@ def _mean_tangent(dim: int, shapes: int, points: int, states: int):
                     high, low = max(row, column), min(row, column)
                     number = points * stride + high * (high + 1) // 2 + low
                     put(ke, row * rows + column, 0.0 - entry(table, number, e, states))
-            for point in range(points):
-                at = point * stride
-                add_mean_tangent(u, half, ke, table, at, e, free, dim, states, width)
+            for number in range(points):
+                point = number * stride, e
+                add_mean_tangent(u, half, ke, table, point, dim, states, width)
             complete_whole(ke, free, dim, width)
             scatter_tangent(ke, slots, e, scale_q, values, states, width)
 

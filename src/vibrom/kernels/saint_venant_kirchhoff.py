@@ -28,14 +28,16 @@ def unstrained(zero, dim):
 
 
 @unrolled
-def moduli(table, at, e, states):
+def moduli(table, point, states):
     """D_11, D_12 and the shear modulus, times thickness and weight of the point."""
+    at, e = point
     return tuple(table.entry(at + k, e, states) for k in range(3))
 
 
 @unrolled
-def slope(table, at, a, e, dim, states):
+def slope(table, point, a, dim, states):
     """dN_a/dX_J."""
+    at, e = point
     return tuple(table.entry(at + 3 + a * dim + j, e, states) for j in range(dim))
 
 
@@ -48,11 +50,11 @@ def add_node(h, u, n, a, width):
 
 
 @inlined
-def gradient(u, table, at, e, free, dim, states, width):
-    """H at the point whose rows of the table begin at `at`."""
+def gradient(u, table, point, free, dim, states, width):
+    """H at a point: the row of the table at which it begins, and the element's column."""
     h = undeformed(fill(0.0, width), dim)
     for a in range(free):
-        h = add_node(h, u, slope(table, at, a, e, dim, states), a, width)
+        h = add_node(h, u, slope(table, point, a, dim, states), a, width)
     return h
 
 
@@ -122,12 +124,13 @@ def add_share(g, p, n, a, width):
 
 
 @inlined
-def add_force(u, more, g, table, at, e, free, dim, states, width):
+def add_force(u, more, g, table, point, dim, states, width):
     """Adds a point's share of (F S - D : eps)_iJ dN_a/dX_J to g, for all nodes but the last."""
-    h = gradient(u, table, at, e, free, dim, states, width)
-    p = added_stress(moduli(table, at, e, states), h, more)
+    free = u.shape[0] // dim - 1
+    h = gradient(u, table, point, free, dim, states, width)
+    p = added_stress(moduli(table, point, states), h, more)
     for a in range(free):
-        add_share(g, p, slope(table, at, a, e, dim, states), a, width)
+        add_share(g, p, slope(table, point, a, dim, states), a, width)
 
 
 def _block(d, row, column):
@@ -216,16 +219,16 @@ def add_entries(ke, first, step, t, m, above, width):
 
 
 @inlined
-def add_tangent(u, ke, table, at, e, free, dim, states, width):
+def add_tangent(u, ke, table, point, free, dim, states, width):
     """Adds a point's share of dN_a/dX_J A_iJ,jL dN_b/dX_L to ke, for all nodes but the last: lower
     triangle, row by row.
     """
-    h = gradient(u, table, at, e, free, dim, states, width)
-    a_ij = elasticity(moduli(table, at, e, states), h)
+    h = gradient(u, table, point, free, dim, states, width)
+    a_ij = elasticity(moduli(table, point, states), h)
     for a in range(free):
-        t, row = contracted(slope(table, at, a, e, dim, states), a_ij), dim * a
+        t, row = contracted(slope(table, point, a, dim, states), a_ij), dim * a
         for b in range(a + 1):
-            m, place = slope(table, at, b, e, dim, states), row * (row + 1) // 2 + dim * b
+            m, place = slope(table, point, b, dim, states), row * (row + 1) // 2 + dim * b
             add_entries(ke, place, row + 1, t, m, 0, width)
             if b < a:
                 add_entries(ke, place, row + 1, t, m, 1, width)
@@ -243,15 +246,16 @@ def add_whole(ke, first, size, t, m, width):
 
 
 @inlined
-def add_mean_tangent(u, half, ke, table, at, e, free, dim, states, width):
+def add_mean_tangent(u, half, ke, table, point, dim, states, width):
     """Adds a point's share of the mean force's derivative to ke, for all nodes but the last: the
     whole matrix, row by row.
     """
-    h = gradient(u, table, at, e, free, dim, states, width)
-    k = gradient(half, table, at, e, free, dim, states, width)
-    a_ij, size = mean_elasticity(moduli(table, at, e, states), h, k), dim * (free + 1)
+    free = u.shape[0] // dim - 1
+    h = gradient(u, table, point, free, dim, states, width)
+    k = gradient(half, table, point, free, dim, states, width)
+    a_ij, size = mean_elasticity(moduli(table, point, states), h, k), dim * (free + 1)
     for a in range(free):
-        t = contracted(slope(table, at, a, e, dim, states), a_ij)
+        t = contracted(slope(table, point, a, dim, states), a_ij)
         for b in range(free):
-            m, place = slope(table, at, b, e, dim, states), dim * (a * size + b)
+            m, place = slope(table, point, b, dim, states), dim * (a * size + b)
             add_whole(ke, place, size, t, m, width)
