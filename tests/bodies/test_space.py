@@ -44,8 +44,8 @@ def test_a_point_between_nodes_is_none_at_any_scale(scale):
     "at, direction, says",
     [
         ([0.0, 0.01], "y", "lies on the clamped boundary left and cannot move; choose another"),
-        ([1.0, 0.01], "z", "along 'z' is not in the body; give x, y of a node"),
-        ([1.0, 0.01, 0.0], "y", "is not in the body; give x, y of a node"),
+        ([1.0, 0.01], "z", "Invalid enum value 'z'"),
+        ([1.0, 0.01, 0.0], "y", "of length 2"),
     ],
 )
 def test_a_point_that_cannot_be_watched_is_refused(at, direction, says):

@@ -2,21 +2,16 @@
 readable forms, on distorted elements with the same quadrature.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import skfem
+from meshes import distorted
 from scenes import UNDAMPED
 from skfem.helpers import ddot, grad, identity, trace
 
 from vibrom import effects
 from vibrom.bodies.elements import KINDS
 from vibrom.solvers.full.tangent import Tangent
-
-sys.path.append(str(Path(__file__).parent.parent / "bodies"))
-from meshes import distorted
 
 ELASTICITY = {"young_modulus": 104.0e9, "poisson_ratio": 0.3}
 CASES = [

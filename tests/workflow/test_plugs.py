@@ -111,6 +111,7 @@ def odd(tmp_path, monkeypatch):
 
 def test_blocks_factories_and_inherited_fields_are_read(odd):
     made = checked({"inner": {"size": 3}}, odd("int | None", "None"), (), refuse)
+    assert made.pop("z") == 0.0
     assert made == {"x": 0.0, "y": -9.81, "inner": {"size": 3.0}, "these": [1, 2], "wrong": None}
     with pytest.raises(SettingsError, match=r"inner.size = 0 must be greater than 0; .* \(m\)"):
         checked({"inner": {"size": 0}}, odd("int", "1"), (), refuse)

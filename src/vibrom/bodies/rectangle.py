@@ -10,7 +10,7 @@ import numpy as np
 import skfem
 
 from vibrom.artefacts.hardware import check_memory
-from vibrom.bodies.space import Probe, Space, movable
+from vibrom.bodies.space import PlaneProbe, Space, movable
 from vibrom.config.kinds import Cells, Distinct, Edge, Element, Name, Positive
 from vibrom.term import SceneError
 
@@ -34,7 +34,7 @@ class Rectangle:
     cells: Cells  # along the length, over the height
     element: Element  # bilinear ones lock in shear when they bend
     clamped: Distinct[Edge]  # edges that cannot move
-    probes: dict[Name, Probe]  # displacements that are recorded; tables show the first
+    probes: dict[Name, PlaneProbe]  # displacements that are recorded; tables show the first
     rise: float = 0.0  # m, of an arch: how far its middle lies above its ends
 
     def build(self) -> Space:

@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from vibrom.config.errors import closest
 from vibrom.config.instance import instance, plug
-from vibrom.config.kinds import Direction, Point
+from vibrom.config.kinds import Direction, PlaneDirection, PlanePoint, Point
 from vibrom.config.scene import SHAPE
 from vibrom.term import SceneError
 
@@ -32,6 +32,14 @@ class Probe:
 
     at: Point  # m, a node, or its name
     direction: Direction
+
+
+@dataclass(frozen=True)
+class PlaneProbe:
+    """The same of a body that is known to be plane."""
+
+    at: PlanePoint  # m, a node
+    direction: PlaneDirection
 
 
 @dataclass(frozen=True)
@@ -180,7 +188,7 @@ class Space:
             )
         return found[0]
 
-    def watched(self, probes: Mapping[str, Probe]) -> Space:
+    def watched(self, probes: Mapping[str, Probe | PlaneProbe]) -> Space:
         """The same with these probes."""
         found = {
             name: self.dof(f"body.probes.{name}", probe.at, probe.direction)

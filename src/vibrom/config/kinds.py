@@ -35,6 +35,8 @@ Coordinates = Annotated[list[float], Meta(min_length=2, max_length=3)]  # m
 MeshFile = Annotated[str, Meta(min_length=1)]  # a path, from the folder of the scene's file on
 ElementOrder = Annotated[int, Meta(ge=1, le=2)]
 Point = Group | Coordinates  # m, or the name of a group of one node
+PlanePoint = tuple[float, float]  # m
+PlaneDirection = Literal["x", "y"]
 Lines = Annotated[int, Meta(ge=1, le=100_000)]  # of elements
 Cells = tuple[Lines, Lines]  # along the length, over the height
 Direction = Literal["x", "y", "z"]
