@@ -28,6 +28,7 @@ if OWN.is_dir() and not OWN.samefile(RUNNING):
 
 from vibrom.artefacts import provenance
 from vibrom.config import errors, layers, settings
+from vibrom.config import recorded as recordings
 from vibrom.config.plugs import constants, names
 
 # The working folder's own, as that of a project that uses this workflow; else the one that is here.
@@ -63,6 +64,7 @@ include: "workflow/rules/planning/progress.smk"
 include: "workflow/rules/planning/resume.smk"
 include: "workflow/rules/planning/unrecorded.smk"
 include: "workflow/rules/full_order.smk"
+include: "workflow/rules/recorded.smk"
 include: "workflow/rules/methods.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/studies.smk"

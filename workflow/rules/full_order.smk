@@ -11,6 +11,8 @@ rule structure:
         "<logs>/{scene}/full_order/structure.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/structure.tsv"
+    wildcard_constraints:
+        scene=among(WITH_BODY),
     priority: 100
     conda:
         "../../envs/vibrom.yaml"
@@ -34,6 +36,8 @@ rule release:
         "<logs>/{scene}/full_order/release.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/release.tsv"
+    wildcard_constraints:
+        scene=among(WITH_BODY),
     priority: 80
     conda:
         "../../envs/vibrom.yaml"
@@ -57,6 +61,8 @@ rule record:
         "<logs>/{scene}/full_order/{role}.log",
     benchmark:
         "<benchmarks>/{scene}/full_order/{role}.tsv"
+    wildcard_constraints:
+        scene=among(WITH_BODY),
     priority: 70
     conda:
         "../../envs/vibrom.yaml"

@@ -5,7 +5,8 @@ vibrom imported.
 
 Theta holds the monomials of degree 1 to `degree`, Xi comes by sequentially thresholded least
 squares (coefficients below `threshold` are dropped), and s is the largest |z|, |z'| of the training
-data, which makes all of it of order one.
+data, which makes all of it of order one. Where operators are not known, phi is the structure's first
+direction of the recorded motion.
 """
 
 import json
@@ -24,8 +25,10 @@ class NoModel(Exception):
 
 
 def modal(structure, modes):
-    """Phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]."""
+    """Phi (d, n), phi' M (d, n) and the frequencies (d,) [rad/s]; M = 1 where it is not known."""
     phi = structure["mode_shape"].values[:modes]
+    if "mass_value" not in structure:
+        return phi, phi, structure["frequency"].values[:modes]
     entries = (
         structure["mass_value"].values,
         (structure["mass_row"].values, structure["mass_column"].values),

@@ -1,14 +1,15 @@
 """Scenes, methods and studies: read, laid over, checked against what their plugs declare."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from vibrom.config import files, plugs
+from vibrom.config import files, plugs, recorded
 from vibrom.config.check import checked
 from vibrom.config.errors import SettingsError
 from vibrom.config.layers import Layers, Sources
 from vibrom.config.method_file import MethodFile
+from vibrom.config.recorded import RecordedScene
 from vibrom.config.scene import SHAPE, Block, Scene
 from vibrom.config.sweeps import check_sweeps
 
@@ -40,14 +41,19 @@ def needed(experiments: Iterable[str], studies: Iterable[str]) -> set[str]:
     return found
 
 
-def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Scene:
+def scene(
+    sources: Sources, folder: Path, name: str, asked: Iterable[str]
+) -> Scene | RecordedScene:
     """A scene's file with what is laid over it; `asked` are the experiments that it sets."""
     file = folder / "scenes" / f"{name}.yaml"
-    layers = Layers(files.read(file), (file, ()))
+    own = files.read(file)
+    layers = Layers(own, (file, ()))
     sources.lay_over(layers, "scene_settings", name)
     given = layers.content
     if "name" in given:
         layers.refuse(("name",), given["name"], "is that of the file; remove it")
+    if "kind" in own:
+        return _recorded(layers, own, name)
     kind = plugs.declared("vibrom.config.scene", "Scene")
     plain = checked({**given, "name": name}, kind, (), layers.refuse)
     shape = given["body"].get("shape", SHAPE)
@@ -61,6 +67,27 @@ def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Sc
     plain["experiments"] = _experiments(layers, set(asked))
     _check_scene(plain, layers)
     return Scene.from_builtins(plain)
+
+
+def _recorded(layers: Layers, own: dict[str, Any], name: str) -> RecordedScene:
+    """A scene of files; what is laid over all scenes may be meant for those with a body."""
+    layers.check_known(("kind",), own["kind"], [recorded.KIND], "kind of scene")
+    for key in set(recorded.OF_BODIES) & set(layers.content) - set(own):
+        del layers.content[key]
+    kind = plugs.declared("vibrom.config.recorded", "RecordedScene")
+    plain = checked({**layers.content, "name": name}, kind, (), layers.refuse)
+    for path, file in recorded.files_of(plain).items():
+        if not Path(file).is_file():
+            layers.refuse(path, file, f"is no file, looked for in {Path.cwd()}; correct it")
+    roles = [item["role"] for item in plain["recordings"]]
+    for role in ("train", "test"):
+        if role not in roles:
+            cure = f"has no recording with the role {role}; give one, or split one by begin and end"
+            layers.refuse(("recordings",), None, cure)
+    made = _experiments(layers, set())
+    # What reads the answer to another one goes without where that is not asked.
+    plain["experiments"] = {key: made[key] for key in made if needed([key], ()) <= set(made)}
+    return RecordedScene.from_builtins(plain)
 
 
 def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
@@ -165,15 +192,20 @@ def check_starts(methods: dict[str, MethodFile], folder: Path) -> None:
 
 
 def study(
-    layers: Layers, name: str, folder: Path, scenes: Iterable[str], methods: dict[str, MethodFile]
+    layers: Layers,
+    name: str,
+    folder: Path,
+    scenes: Mapping[str, Scene | RecordedScene],
+    methods: dict[str, MethodFile],
 ) -> dict[str, Any]:
-    """The settings of a study, for those of its scenes that run."""
+    """The settings of a study, for those of its scenes that run; it needs scenes with a body."""
     layers.check_known(("studies", name), name, plugs.names("studies"), "study")
     made = block(layers, ("studies", name), plugs.settings_of("studies", name))
     known, chosen = stems(folder, "scenes"), made["scenes"]
     for place, scene in enumerate(chosen or ()):
         layers.check_known(("studies", name, "scenes", place), scene, known, "scene")
-    made["scenes"] = [scene for scene in scenes if chosen is None or scene in chosen]
+    bodies = [scene for scene, given in scenes.items() if isinstance(given, Scene)]
+    made["scenes"] = [scene for scene in bodies if chosen is None or scene in chosen]
     if "reduced" in made:
         path, known = ("studies", name, "reduced"), stems(folder, "methods")
         for method in made["reduced"]:

@@ -19,6 +19,7 @@ from vibrom.config.kinds import Device, Folder, Name, Seed, Several
 from vibrom.config.layers import COMMAND, Layers, Sources
 from vibrom.config.method_file import MethodFile
 from vibrom.config.places import FULL_ORDER, UNSEEDED
+from vibrom.config.recorded import RecordedScene
 from vibrom.config.scene import Block, Scene
 
 # Names of other folders of the results.
@@ -49,7 +50,7 @@ class Settings:
     """A checked configuration. Scenes and methods are complete: files and overlays merged."""
 
     results: str
-    scenes: dict[str, Scene]
+    scenes: dict[str, Scene | RecordedScene]
     methods: dict[str, MethodFile]
     seeds: list[int]
     experiments: list[str]
@@ -78,8 +79,12 @@ class Settings:
         return [name for name in self.experiments if name in self.scenes[scene].experiments]
 
     def modules_of(self, scene: str) -> list[str]:
-        """The modules of a scene's body, effects and time integration, below vibrom."""
+        """The modules of a scene's body, effects and time integration, below vibrom; none of a
+        recorded one.
+        """
         made = self.scenes[scene]
+        if isinstance(made, RecordedScene):
+            return []
         own = f"bodies.{made.body['shape']}", f"solvers.full.schemes.{made.time.scheme}"
         return [*own, *(f"effects.{name}" for name in made.effects)]
 

@@ -212,7 +212,7 @@ class AutoencoderMethod(Method):
             scale=chosen.scale,
             frequency=chosen.frequency,
             coefficients=self.coefficients(learnt, problem, training),
-            mass=None if training.structure is None else training.structure.mass,
+            mass=training.mass,
             order=self.order,
             activation=self.activation,
             force_rule=self.force_rule,

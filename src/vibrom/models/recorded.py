@@ -34,8 +34,16 @@ def differences(displacement: np.ndarray, step: float) -> tuple[np.ndarray, np.n
     return velocity, sum(c * w for c, w in zip(SECOND, windows)) / step**2
 
 
+def trajectories(dataset: xr.Dataset) -> tuple[Trajectory, ...]:
+    """The finite parts of recorded decays: one, or several that follow one another."""
+    if "part" not in dataset:
+        return (trajectory(dataset),)
+    part = dataset["part"].values
+    return tuple(trajectory(dataset.isel(time=part == number)) for number in np.unique(part))
+
+
 def trajectory(dataset: xr.Dataset) -> Trajectory:
-    """The finite part of a recorded decay."""
+    """The finite part of a recorded decay; of several, one after the other."""
     finite = np.isfinite(dataset["displacement"].values).all(axis=1)
     return Trajectory(
         dataset["time"].values[finite],
@@ -43,8 +51,10 @@ def trajectory(dataset: xr.Dataset) -> Trajectory:
     )
 
 
-def structure(dataset: xr.Dataset) -> Structure:
-    """The operators and modes of a scene."""
+def structure(dataset: xr.Dataset) -> Structure | None:
+    """The operators and modes of a scene; None where only motion is known."""
+    if "mass_value" not in dataset:
+        return None
     n = dataset.sizes["dof"]
 
     def operator(name: str) -> csr_matrix:

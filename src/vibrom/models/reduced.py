@@ -14,6 +14,7 @@ from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
 from vibrom.models.rollout import Integrator, decode_displacement, rollout
 from vibrom.models.rom import Rom
+from vibrom.models.training import Unsupported
 
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.flow_map import FlowMap
@@ -26,7 +27,7 @@ class Reduced:
     """A Rom, the scene's load and probes, and how its motion is integrated."""
 
     rom: Rom
-    load: np.ndarray  # (n,) N per unit of the signal
+    load: np.ndarray  # (n,) N per unit of the signal; NaN: not known
     probes: np.ndarray  # (k,) free displacement that each probe watches
     frequency: float  # rad/s, damped first frequency of the scene
     integrator: Integrator
@@ -38,6 +39,13 @@ class Reduced:
         """A fitted model in the scene of this structure."""
         load, probes = known["load"].values, known["probe_dof"].values
         return cls(rom, load, probes, damped_frequency(known), integrator)
+
+    @property
+    def known_load(self) -> np.ndarray:
+        """The load; Unsupported where it is not known."""
+        if np.isnan(self.load).any():
+            raise Unsupported("the load of this scene is not known; say what drives it (`forcing`)")
+        return self.load
 
     @property
     def size(self) -> int:
@@ -57,7 +65,9 @@ class Reduced:
     def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
         """See `Model.motion`."""
         runs, encoded = len(start), self.rom.encode(start)
-        forcing = LoadedDrive(self.load, drive.amplitude, drive.frequency) if drive else None
+        forcing = None
+        if drive is not None:
+            forcing = LoadedDrive(self.known_load, drive.amplitude, drive.frequency)
         every = [
             np.broadcast_to(watch.instants, (runs, np.shape(watch.instants)[-1]))
             for watch in watches
@@ -97,7 +107,7 @@ class Reduced:
         """See `Model.return_map`."""
         from vibrom.solvers.periodic.flow_map import FlowMap
 
-        rom, load = self.rom, self.load
+        rom, load = self.rom, self.known_load
 
         def beside_along(z: np.ndarray) -> np.ndarray | None:
             added = rom.beside(z, load)

@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, identity
 
 if TYPE_CHECKING:
     from vibrom.term import Term
@@ -153,10 +153,17 @@ class Training:
         """
         return np.concatenate([getattr(item, what) for item in self.trajectories])
 
+    @property
+    def mass(self) -> csr_matrix:
+        """M (n, n); one where it is not known, and loads are accelerations."""
+        if self.structure is not None:
+            return self.structure.mass
+        return identity(self.trajectories[0].displacement.shape[1], format="csr")
+
     def require_structure(self, method: str) -> Structure:
-        """The structure, or a MethodError that names the method."""
+        """The structure; Unsupported, with the name of the method, where there is none."""
         if self.structure is None:
-            raise MethodError(
+            raise Unsupported(
                 f"{method} needs mass, damping, stiffness and modes, and this training set has "
                 "none; use a method that does not"
             )

@@ -39,9 +39,9 @@ def run(
 ) -> None:
     """`questions` are the settings of each experiment, in an order in which answers are made before
     they are read; `names` are scene, method and seed of the artefacts. A fitted model is at `rom`;
-    the full order, which has none, is built from the blocks of `scene`. `paths` say where each
-    answer is written, by the experiment's name, where its truth is, as `truth_<name>`, and where
-    lies what else is read, by name.
+    the full order, which has none, is built from the blocks of `scene`, and is what was measured
+    where there are none. `paths` say where each answer is written, by the experiment's name, where
+    its truth is, as `truth_<name>`, and where lies what else is read, by name.
     """
     known = open_dataset(structure, "structure")
     fitted = open_dataset(rom, "rom") if rom else None
@@ -58,6 +58,8 @@ def run(
             if need in paths
         }
         true = opened(truth, kind(str(question.truth), False)) if truth else None
+        if true is not None and is_skipped(true):  # there is nothing to compare with
+            true = None
         given = Given(known, samples, reads)
         answer = answer_of(question, built, fitted, given, true)
         about = json.dumps({"experiment": settings, "integrator": integrator}, sort_keys=True)
@@ -83,6 +85,11 @@ def answer_of(
     if not outcome.has_value:
         answer = unanswered(question, outcome)
     return answer.assign_attrs(reason=reason, answered=int(outcome.has_value))
+
+
+def is_skipped(answer: xr.Dataset) -> bool:
+    """Was nothing measured?"""
+    return bool((answer["outcome"] == Outcome.SKIPPED).all())
 
 
 def kind(name: str, of_full_order: bool) -> str:
@@ -126,6 +133,8 @@ def model_of(
     integrator: dict[str, Any] | None,
 ) -> Model:
     """The model, from its own module: code of the other kind is not behind the answer."""
+    if fitted is None and scene is None:
+        return importlib.import_module("vibrom.models.measured").Measured.of_scene(known)
     if fitted is None:
         return importlib.import_module("vibrom.models.full_order").FullOrder.of_scene(scene, known)
     module = importlib.import_module("vibrom.models.reduced")

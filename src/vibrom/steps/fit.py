@@ -21,7 +21,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.artefacts.progress import bar
 from vibrom.methods import method_from_settings
 from vibrom.models.recorded import structure as operators
-from vibrom.models.recorded import trajectory
+from vibrom.models.recorded import trajectories
 from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import (
     Clock,
@@ -187,9 +187,13 @@ def fit_or_reason(
         return Fitted(xr.Dataset(), start_ended, reason)
     try:
         method = method_from_settings(recipe.kind, recipe.settings)
+        if method.of_equations and scene is None:
+            raise Unsupported(
+                f"{recipe.method} is made from equations of motion, and a recorded scene has none"
+            )
         method.prepare(recipe.device)
         training = Training(
-            () if motion is None else (trajectory(motion),),
+            () if motion is None else trajectories(motion),
             operators(known),
             recipe.seed,
             recipe.device,

@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 EXPERIMENTS = {name: constants("experiments", name) for name in names("experiments")}
 RECORDED = ("train", "test")  # decays of the full-order model
-# What there is of the full-order model of a scene.
-FULL_ORDER_NAMES = (
-    "structure",
-    "release",
-    *RECORDED,
-    *(name for name in ("forced", "frc") if EXPERIMENTS[name]["of_full_order"]),
-)
+
+
+def full_order_names(scene):
+    """What there is of the full-order model of a scene."""
+    if scene in RECORDED_SCENES:
+        return ["structure", *RECORDED]
+    asked = [name for name in ("forced", "frc") if EXPERIMENTS[name]["of_full_order"]]
+    return ["structure", "release", *RECORDED, *asked]
 
 
 def artefact(need, model):
@@ -94,7 +95,9 @@ def truths(experiments):
 
 
 def samples(wildcards):
-    """Instants of a period that the full order stores."""
+    """Instants of a period that the full order stores, or a recording keeps at most."""
+    if wildcards.scene in RECORDED_SCENES:
+        return SCENES[wildcards.scene]["preparation"]["samples"]
     time = SCENES[wildcards.scene]["time"]
     return time["steps_per_period"] // time["every"]
 
@@ -115,10 +118,16 @@ def reduced_code(experiments):
 
 
 def full_order_answer_code(experiment):
-    """The code of the experiment, of the full-order model and of the scene's effects."""
-    return lambda wildcards: code(
-        "ask", f"experiments.{experiment}", "models.full_order", *scene_modules(wildcards)
-    )
+    """The code of the experiment, of the full-order model and of the scene's effects; of a recorded
+    scene that of what was measured.
+    """
+
+    def attributes(wildcards):
+        model = "measured" if wildcards.scene in RECORDED_SCENES else "full_order"
+        own = f"experiments.{experiment}", f"models.{model}"
+        return code("ask", *own, *scene_modules(wildcards))
+
+    return attributes
 
 
 JOBS = jobs()

@@ -36,7 +36,10 @@ def predictions(scene):
 
 PREDICTIONS = [path for scene in SCENES for path in predictions(scene)]
 FITTED = of_models(SCENES, ("rom", "losses"))
-ARTEFACTS = of_full_order(SCENES, FULL_ORDER_NAMES) + FITTED + PREDICTIONS
+ARTEFACTS = [
+    path for scene in SCENES for path in of_full_order([scene], full_order_names(scene))
+]
+ARTEFACTS += FITTED + PREDICTIONS
 
 
 class Family(NamedTuple):

@@ -16,10 +16,23 @@ def seed_of(wildcards):
 
 
 def scene_part(*keys):
-    """The blocks of the scene that a rule reads; a change in another one does not run it again."""
-    return lambda wildcards: {
-        key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)
-    }
+    """The blocks of the scene that a rule reads; a change in another one does not run it again. None
+    of a recorded scene, which has no equations of motion.
+    """
+    return lambda wildcards: (
+        None
+        if wildcards.scene in RECORDED_SCENES
+        else {key: SCENES[wildcards.scene][key] for key in ("body", "effects", *keys)}
+    )
+
+
+RECORDED_SCENES = [name for name, scene in SCENES.items() if scene.get("kind") == recordings.KIND]
+WITH_BODY = [name for name in SCENES if name not in RECORDED_SCENES]
+
+
+def among(scenes):
+    """A regular expression of these names; of none where there are none."""
+    return "|".join(map(re.escape, scenes)) or "(?!)"
 
 
 def scene_modules(wildcards):

@@ -1,0 +1,1 @@
+"""Recorded motions: read from files, resampled, filtered, and made into states."""

@@ -1,0 +1,156 @@
+"""Files of numbers by the names that they use: CSV, NumPy, MATLAB and netCDF.
+
+A name is a column's or a variable's; `xData{1,2}` is an entry of a MATLAB cell, counted from one,
+and `a.b` a field. A `.npy` file holds one array, called `array`.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from scipy.io import loadmat
+from scipy.sparse import issparse
+
+from vibrom.artefacts.files import DataError
+from vibrom.config.errors import closest
+
+DEEPEST = 4  # cells and fields in one another
+Arrays = dict[str, np.ndarray]
+
+
+def read(path: str | Path) -> Arrays:
+    """Every array of numbers in a file, by name."""
+    path = Path(path)
+    if not path.is_file():
+        raise DataError(f"{path}: no such file (looked in {Path.cwd()}); correct the path")
+    if path.suffix.lower() not in READERS:
+        known = ", ".join(READERS)
+        raise DataError(f"{path}: files of this kind are not read; save it as one of {known}")
+    return _read(path, path.stat().st_mtime_ns)
+
+
+@cache
+def _read(path: Path, changed: int) -> Arrays:
+    try:
+        found = READERS[path.suffix.lower()](path)
+    except NotImplementedError as error:
+        raise DataError(
+            f"{path}: a MATLAB file of version 7.3; save it with -v7 in MATLAB"
+        ) from error
+    except (OSError, ValueError, RuntimeError, KeyError, TypeError, EOFError) as error:
+        why = " ".join(str(error).split())[:120]
+        raise DataError(f"{path}: cannot be read ({why}); check or save the file again") from error
+    if not found:
+        raise DataError(f"{path}: holds no numbers; give a file with recorded motion")
+    return found
+
+
+def array(path: str | Path, name: str) -> np.ndarray:
+    """The array of this name."""
+    found = read(path)
+    if name not in found:
+        raise DataError(f"{path}: holds no {name!r}; {closest(name, found)}")
+    return found[name]
+
+
+def _csv(path: Path) -> Arrays:
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] not in "#%"]
+    if not lines:
+        return {}
+    try:
+        delimiter = csv.Sniffer().sniff("\n".join(lines[:20]), delimiters=",;\t ").delimiter
+    except csv.Error:  # one column
+        delimiter = ","
+    blanks = delimiter == " "
+    decimal = "," if delimiter == ";" and "." not in lines[-1] else "."
+    first = lines[0].split() if blanks else lines[0].split(delimiter)
+    titled = not any(map(_is_number, (word.replace(decimal, ".") for word in first)))
+    frame = pd.read_csv(
+        io.StringIO("\n".join(lines)),
+        sep=r"\s+" if blanks else delimiter,
+        header=0 if titled else None,
+        decimal=decimal,
+        skipinitialspace=True,
+    )
+    frame = frame.apply(pd.to_numeric, errors="coerce").dropna(axis="columns", how="all")
+    names = [
+        str(name).strip() if titled else f"column_{place + 1}"
+        for place, name in enumerate(frame.columns)
+    ]
+    return {name: frame.iloc[:, place].to_numpy(float) for place, name in enumerate(names)}
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _numpy(path: Path) -> Arrays:
+    loaded = np.load(path, allow_pickle=False)
+    if isinstance(loaded, np.ndarray):
+        return _numbers("array", loaded)
+    with loaded:
+        parts = [_numbers(name, loaded[name]) for name in loaded.files]
+    return {name: value for part in parts for name, value in part.items()}
+
+
+def _matlab(path: Path) -> Arrays:
+    found: Arrays = {}
+    for name, value in loadmat(path).items():
+        if not name.startswith("__"):
+            found |= _numbers(name, value)
+    return found
+
+
+def _netcdf(path: Path) -> Arrays:
+    found: Arrays = {}
+    with xr.open_dataset(path, decode_times=False) as data:
+        for name in data.variables:
+            found |= _numbers(str(name), data[name].values)
+    return found
+
+
+def _numbers(name: str, value: Any, depth: int = 0) -> Arrays:
+    """The arrays of numbers in a value: itself, or what its cells and fields hold."""
+    if issparse(value):
+        value = value.toarray()
+    if depth > DEEPEST or not isinstance(value, np.ndarray):
+        return {}
+    found: Arrays = {}
+    if value.dtype.names:
+        for field in value.dtype.names:
+            for place in np.ndindex(value.shape):
+                entry = name if value.size == 1 else _entry(name, place)
+                found |= _numbers(f"{entry}.{field}", value[field][place], depth + 1)
+    elif value.dtype == object:
+        for place in np.ndindex(value.shape):
+            found |= _numbers(_entry(name, place), value[place], depth + 1)
+    elif value.dtype.kind in "fiu" and value.size:
+        found[name] = np.asarray(value, float)
+    return found
+
+
+def _entry(name: str, place: tuple[int, ...]) -> str:
+    return f"{name}{{{','.join(str(index + 1) for index in place)}}}"
+
+
+READERS: dict[str, Callable[[Path], Arrays]] = {
+    ".csv": _csv,
+    ".txt": _csv,
+    ".npy": _numpy,
+    ".npz": _numpy,
+    ".mat": _matlab,
+    ".nc": _netcdf,
+}
