@@ -5,8 +5,8 @@ vibrom imported.
 
 Theta holds the monomials of degree 1 to `degree`, Xi comes by sequentially thresholded least
 squares (coefficients below `threshold` are dropped), and s is the largest |z|, |z'| of the training
-data, which makes all of it of order one. Where operators are not known, phi is the structure's first
-direction of the recorded motion.
+data, which makes all of it of order one. Where operators are not known, phi is the first direction
+of the recorded motion.
 """
 
 import json

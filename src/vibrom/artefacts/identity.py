@@ -127,13 +127,21 @@ def asked(parameters: Mapping[str, Any]) -> str:
 
 
 def made_from(inputs: Mapping[str, Any]) -> str:
-    """The `content` of the artefacts that a rule reads, by the names of its inputs, as text."""
+    """The `content` of the artefacts that a rule reads, by the names of its inputs, as text; of a
+    user's file a digest of its bytes.
+    """
     found = {}
     for name, paths in inputs.items():
         each = [paths] if isinstance(paths, str) else list(paths)
-        known = [str(attributes_of(path).get("content", "")) for path in each]
+        known = [_content_of(path) for path in each]
         found[name] = known[0] if isinstance(paths, str) else known
     return json.dumps(found, sort_keys=True)
+
+
+def _content_of(path: str) -> str:
+    if path.endswith(".nc") and (written := attributes_of(path).get("content")):
+        return str(written)
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
 def stale(

@@ -41,9 +41,7 @@ def needed(experiments: Iterable[str], studies: Iterable[str]) -> set[str]:
     return found
 
 
-def scene(
-    sources: Sources, folder: Path, name: str, asked: Iterable[str]
-) -> Scene | RecordedScene:
+def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Scene | RecordedScene:
     """A scene's file with what is laid over it; `asked` are the experiments that it sets."""
     file = folder / "scenes" / f"{name}.yaml"
     own = files.read(file)

@@ -18,10 +18,8 @@ KIND = "recorded"  # the key `kind` of such a scene
 OF_BODIES = ("body", "effects", "releases", "record", "time")
 TimeUnit = Literal["s", "ms", "us", "min"]
 LengthUnit = Literal["m", "cm", "mm", "um", "in"]
-UNITS = {
-    **{"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
-    **{"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254},
-}
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
+METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 
 
 class Recording(Block, frozen=True):
@@ -89,7 +87,7 @@ class Preparation(Block, frozen=True):
     # instants whose samples make a state, an odd number; none: five observables in all (Takens)
     delays: Count | None = None
     lag: Positive | None = None  # in periods, between them; none: together a quarter of a period
-    samples: Count = 200  # of a period, that are kept at most
+    samples: Count = 200  # of a period, that are kept at most, about
 
 
 class RecordedScene(Block, frozen=True):
@@ -110,7 +108,9 @@ class RecordedScene(Block, frozen=True):
 
 def files_of(scene: dict[str, Any]) -> dict[tuple, str]:
     """Where each file of a scene stands in it, and the file."""
-    blocks = {("recordings", k): item for k, item in enumerate(scene["recordings"])}
+    blocks: dict[tuple, Any] = {
+        ("recordings", k): item for k, item in enumerate(scene["recordings"])
+    }
     blocks[("operators",)] = scene.get("operators")
     blocks[("forcing", "response")] = (scene.get("forcing") or {}).get("response")
     return {(*path, "file"): block["file"] for path, block in blocks.items() if block}

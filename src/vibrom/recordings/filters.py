@@ -23,6 +23,7 @@ from vibrom.models.recorded import FIRST, differences
 
 ORDER = 4  # of the differences that the regularised filter keeps small
 DEGREE = 5  # of the polynomials of Savitzky and Golay
+CHANGED = 1e-3  # of the acceleration, by their window
 STANDS_OUT = 20.0  # times the median power of noise: 60 lines of it reach 7 times
 VISIBLE = 1e-8  # of the power of the first line: 1e-4 of its amplitude
 MARGIN = 2  # the cut-off is at this many multiples of the first frequency above the last one kept
@@ -59,20 +60,16 @@ def regularised(x: np.ndarray, cut_off: float) -> np.ndarray:
     return solveh_banded(band, x)
 
 
-def window(x: np.ndarray, step: float, frequency: float, kept: int) -> int:
+def window(step: float, frequency: float) -> int:
     """Samples of the polynomial's window: the longest, up to half a period, that changes the
-    acceleration of the highest multiple of the first frequency by no more than the noise does.
+    acceleration at the first frequency [Hz] by no more than `CHANGED`, which is twice what it
+    changes that frequency by.
     """
-    lines, power = periodogram(x.T, 1.0 / step, window="blackmanharris", detrend="constant")
-    total = power.sum(axis=0)
-    far = lines > (kept + MARGIN) * frequency
-    noise = total[far].mean() * lines[-1] / total.sum() / (lines[1] - lines[0]) if far.any() else 0
-    least, most = DEGREE + 2, max(DEGREE + 2, int(0.5 / (frequency * step)) | 1)
-    angle, found = 2.0 * np.pi * frequency * step, least
-    for length in range(least, most + 1, 2):
+    angle, found = 2.0 * np.pi * frequency * step, DEGREE + 2
+    for length in range(found, int(0.5 / (frequency * step)) + 1, 2):
         weights = savgol_coeffs(length, DEGREE, deriv=2, use="dot")
         gain = weights @ np.cos(angle * (np.arange(length) - length // 2)) / -(angle**2)
-        if abs(gain - 1.0) <= np.sqrt(noise) * np.linalg.norm(weights) / angle**2:
+        if abs(gain - 1.0) <= CHANGED:
             found = length
     return found
 
@@ -85,7 +82,7 @@ def differentiated(
     """
     lost, edge = len(FIRST) // 2, int(0.5 / (frequency * step))
     if kind == "savitzky_golay":
-        length = window(x, step, frequency, kept)
+        length = window(step, frequency)
         parts = [
             savgol_filter(x, length, DEGREE, deriv=k, delta=step, axis=0)[
                 length // 2 : len(x) - length // 2

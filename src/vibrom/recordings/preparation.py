@@ -5,9 +5,9 @@ motion begins -> delayed, with lag l:
 
     q_k(t) = (x(t + k l) + x(t - k l)) / 2,    k = 0 ... K,    of every channel x
 
-With their velocities q_k', which hold the differences x(t + k l) - x(t - k l), these are the 2 K + 1
-delays of Takens in other coordinates. A mode that vibrates has all q_k in phase, q_k = cos(k omega
-l) x, as displacements of a body are: no method need know of delays.
+With their velocities q_k', which hold the differences x(t + k l) - x(t - k l), these are the
+2 K + 1 delays of Takens in other coordinates. A mode that vibrates has all q_k in phase, q_k =
+cos(k omega l) x, as displacements of a body are: no method need know of delays.
 
 Each step has a setting (`config.recorded.Preparation`), and its value may come from a rule; what
 was chosen is in `chosen`, and what was done to a recording in its notes.
@@ -74,17 +74,18 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     not zero.
     """
     frequency = common_frequency(recordings, settings.frequency)
-    even = [
-        thinned(equidistant(item, 1.0 / frequency, settings.longest_gap), frequency, settings)
-        for item in recordings
-    ]
+    step = float(np.median([item.step for item in recordings]))
+    even = [equidistant(item, 1.0 / frequency, settings.longest_gap, step) for item in recordings]
+    even = [thinned(item, frequency, settings) for item in even]
     even = [at_rest(item, frequency, settings.rest) for item in even]
     found = [harmonics(item.values, item.step, frequency) for item in even]
     kept = settings.harmonics or max(found)
     delays = delays or settings.delays or delays_of(even[0].values.shape[1])
     if delays % 2 == 0:
         raise DataError(f"preparation.delays = {delays} is even; give an odd number")
-    lag = (settings.lag or WINDOW / max(delays - 1, 1)) / frequency if delays > 1 else 0.0
+    step = even[0].step
+    apart = round((settings.lag or WINDOW / max(delays - 1, 1)) / (frequency * step))
+    lag = max(1, apart) * step if delays > 1 else 0.0
     chosen: dict[str, float | str] = {
         "first_frequency_hz": frequency,
         "filter": settings.filter,
@@ -95,7 +96,7 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     for item in even:
         one, setting = motion_of(item, frequency, settings, kept)
         chosen |= setting
-        made.append(delayed(one, delays // 2, max(1, round(lag / item.step))))
+        made.append(delayed(one, delays // 2, round(lag / step)))
     return Decays(tuple(made), recordings[0].names, delays, lag, frequency, chosen)
 
 
@@ -105,8 +106,8 @@ def delays_of(channels: int) -> int:
 
 
 def thinned(samples: Samples, frequency: float, settings: Preparation) -> Samples:
-    """At most so many samples a period; what they could not show is filtered out before."""
-    every = int(1.0 / (frequency * samples.step) / settings.samples)
+    """About so many samples a period at most; what they could not show is filtered out before."""
+    every = round(1.0 / (frequency * samples.step) / settings.samples)
     if every < 2:
         return samples
     values = decimate(samples.values, every, ftype="fir", axis=0)
@@ -130,9 +131,7 @@ def motion_of(
 ) -> tuple[Prepared, dict[str, float]]:
     """Filtered and differentiated, from where the slow motion begins; and the filter's setting."""
     step = samples.step
-    (q, v, a), lost, found = differentiated(
-        samples.values, step, frequency, settings.filter, kept
-    )
+    (q, v, a), lost, found = differentiated(samples.values, step, frequency, settings.filter, kept)
     time = samples.time[lost : lost + len(q)]
     slow = begins(a, step, frequency, settings.fast_share)
     begin = slow.begin + time[0] if settings.start is None else settings.start

@@ -14,7 +14,7 @@ from scipy.interpolate import make_interp_spline
 from scipy.signal import periodogram
 
 from vibrom.artefacts.files import DataError
-from vibrom.config.recorded import UNITS, RecordedScene, Recording
+from vibrom.config.recorded import METRES, SECONDS, RecordedScene, Recording
 from vibrom.recordings import files
 
 TIMES = ("time", "t", "Time", "T")
@@ -40,9 +40,16 @@ class Samples:
         """Between samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    def noted(self, note: str, **changes: np.ndarray) -> Samples:
-        """The same with changes, and what they are."""
-        return replace(self, notes=(*self.notes, note), **changes)
+    def noted(
+        self, note: str, time: np.ndarray | None = None, values: np.ndarray | None = None
+    ) -> Samples:
+        """The same with other instants or values, and why."""
+        return replace(
+            self,
+            time=self.time if time is None else time,
+            values=self.values if values is None else values,
+            notes=(*self.notes, note),
+        )
 
 
 def load(scene: RecordedScene) -> list[Samples]:
@@ -89,13 +96,15 @@ def loaded(item: Recording, scene: RecordedScene) -> Samples:
     if len({len(part) for part in parts}) > 1:
         lengths = ", ".join(f"{name} {len(part)}" for name, part in zip(chosen, parts))
         raise DataError(f"{where}: channels of different lengths ({lengths}); name those to use")
-    values = np.hstack(parts) * UNITS[scene.length_unit]
+    values = np.hstack(parts) * METRES[scene.length_unit]
     if time is None:
         if item.step is None:
-            raise DataError(f"{where}: no instants; name `time`, or give the `step` between samples")
+            raise DataError(
+                f"{where}: no instants; name `time`, or give the `step` between samples"
+            )
         time = item.step * np.arange(len(values))
     samples = Samples(where, item.role, time, values, tuple(clean(name) for name in names))
-    return in_order(part_of(samples, item), UNITS[scene.time_unit])
+    return in_order(part_of(samples, item), SECONDS[scene.time_unit])
 
 
 def split(array: np.ndarray, has_step: bool) -> dict[str, np.ndarray]:
@@ -164,16 +173,17 @@ def in_order(samples: Samples, unit: float) -> Samples:
     return made.noted(words, time=time, values=values[first])
 
 
-def equidistant(samples: Samples, period: float, longest_gap: float) -> Samples:
-    """At equal steps, without missing samples. Raises DataError for too long a gap [periods], too
-    few samples of a period and too few periods.
+def equidistant(samples: Samples, period: float, longest_gap: float, wanted: float) -> Samples:
+    """At equal steps, those `wanted` [s] where its own differ, without missing samples. Raises
+    DataError for too long a gap [periods], too few samples of a period and too few periods.
     """
-    step, span = samples.step, samples.time[-1] - samples.time[0]
+    own, span = samples.step, samples.time[-1] - samples.time[0]
+    step = own if abs(own / wanted - 1.0) * span < JITTER * own else wanted
     where, missing = samples.where, int(np.isnan(samples.values).any(axis=1).sum())
     if period < LEAST * step:
         raise DataError(
-            f"{where}: {period / step:.1f} samples of a period; record at least {LEAST}, or correct "
-            "preparation.frequency"
+            f"{where}: {period / step:.1f} samples of a period; record at least {LEAST}, or "
+            "correct preparation.frequency"
         )
     if span < SHORTEST * period:
         raise DataError(

@@ -76,6 +76,11 @@ class Collection:
         key = Key(scene, model, seed, name)
         return self._open(key) if key in self.loaders else None
 
+    def mesh(self, scene: str) -> xr.Dataset | None:
+        """The structure of a scene with a body that can be drawn; None of a recorded one."""
+        known = self.find(scene, FULL_ORDER, "structure")
+        return known if known is not None and "node" in known else None
+
     def every(self, scene: str, model: str, name: str) -> list[xr.Dataset | None]:
         """The dataset of each seed."""
         return [self.find(scene, model, name, seed) for seed in self.seeds(scene, model)]

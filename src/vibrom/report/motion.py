@@ -36,7 +36,7 @@ def scenes(collection: Collection, scores: Scores) -> dict[str, dict[str, Any]]:
 
 def of_scene(collection: Collection, scores: Scores, scene: str) -> dict[str, Any] | None:
     """One scene; None where there is no motion to show."""
-    structure, truth = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "test"))
+    structure, truth = collection.mesh(scene), collection.find(scene, FULL_ORDER, "test")
     if structure is None or truth is None or not outcome(truth).has_value:
         return None
     loops = body.outline(structure)

@@ -36,9 +36,7 @@ def predictions(scene):
 
 PREDICTIONS = [path for scene in SCENES for path in predictions(scene)]
 FITTED = of_models(SCENES, ("rom", "losses"))
-ARTEFACTS = [
-    path for scene in SCENES for path in of_full_order([scene], full_order_names(scene))
-]
+ARTEFACTS = [path for scene in SCENES for path in of_full_order([scene], full_order_names(scene))]
 ARTEFACTS += FITTED + PREDICTIONS
 
 

@@ -3,6 +3,7 @@ thinned lines.
 """
 
 import math
+import textwrap
 
 import numpy as np
 import xarray as xr
@@ -13,6 +14,8 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.report.collection import Collection, outcome, scalar
 from vibrom.report.scores import Scores
 from vibrom.thesis.labels import label
+
+WIDEST = 42  # letters of a note, which fill a panel three inches wide
 
 
 def grid(
@@ -34,7 +37,8 @@ def grid(
 
 
 def words(axes, text: str, *, place: str = "centre") -> None:
-    """A note in the panel."""
+    """A note in the panel; a long one takes several lines."""
+    text = "\n".join(line for part in text.split("\n") for line in textwrap.wrap(part, WIDEST))
     at = {
         "centre": (0.5, 0.5, "center", "center"),
         "above": (0.98, 0.96, "right", "top"),

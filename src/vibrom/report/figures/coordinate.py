@@ -33,9 +33,8 @@ ORDERS = (1, 3, 5, 7, 9, 11)
 def draw(collection, scores, scene) -> Figure:
     """Three panels."""
     figure, (coordinate, shapes, errors) = panels.grid(3, size=(3.1, 2.6), legend=0.25)
-    known, train, test = (
-        collection.find(scene, FULL_ORDER, name) for name in ("structure", "train", "test")
-    )
+    known = collection.mesh(scene)
+    train, test = (collection.find(scene, FULL_ORDER, name) for name in ("train", "test"))
     coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
     shapes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
     errors.set(
@@ -43,7 +42,7 @@ def draw(collection, scores, scene) -> Figure:
     )
     runs = [run for run in (train, test) if run is not None and finite(run)]
     if known is None or len(runs) < 2:
-        panels.words(coordinate, "no structure or recorded decays in this run")
+        panels.words(coordinate, "no body or recorded decays in this run")
         return figure
     train, test = runs
     operators = structure(known)

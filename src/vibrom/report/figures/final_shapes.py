@@ -79,7 +79,7 @@ class Block:
     """
 
     def __init__(self, collection, scores, scene: str, methods: list[str]):
-        self.structure = collection.find(scene, FULL_ORDER, "structure")
+        self.structure = collection.mesh(scene)
         self.runs = [
             panels.drawn(collection, scores, scene, method, "forced") for method in methods
         ]

@@ -83,7 +83,8 @@ def ten_digits(value):
 def properties(structure: xr.Dataset) -> dict:
     """What the scene says about the body; what it does not say is read off the mesh."""
     body, effects = described(structure, "body"), described(structure, "effects")
-    elasticity, span = effects.get("elasticity") or {}, np.ptp(structure["node"].values, axis=0)
+    elasticity = effects.get("elasticity") or {}
+    span = np.ptp(structure["node"].values, axis=0) if "node" in structure else [np.nan, np.nan]
     damping = structure["damping_ratio"].values[0] if "damping_ratio" in structure else np.nan
     return {
         "length_m": float(body.get("length", span[0])),
@@ -95,7 +96,7 @@ def properties(structure: xr.Dataset) -> dict:
         "damping_ratio": float(damping),
         "element": body.get("element"),
         "cells": " x ".join(str(count) for count in body["cells"]) if "cells" in body else None,
-        "elements": structure.sizes["element"],
+        "elements": structure.sizes.get("element", np.nan),
         "free_dofs": structure.sizes["dof"],
         "effects": ", ".join(effects) or None,
     }
