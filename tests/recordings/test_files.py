@@ -9,7 +9,7 @@ from oscillator import Oscillator
 from scipy.io import savemat
 
 from vibrom.artefacts.files import DataError
-from vibrom.config.recorded import Recording, RecordedScene
+from vibrom.config.recorded import RecordedScene, Recording
 from vibrom.recordings import files, samples
 
 TIME = np.arange(0.0, 4.0, 1 / 200)

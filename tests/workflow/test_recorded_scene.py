@@ -1,4 +1,4 @@
-"""The file of a recorded scene: complete with defaults, beside scenes with a body; wrong entries are
+"""The file of a recorded scene: complete with defaults, beside scenes with a body; a wrong entry is
 one line.
 """
 
@@ -54,11 +54,11 @@ def test_it_takes_part_in_what_it_can_answer(scene):
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("kind: recorded", "kind: measured", "kind = 'measured' is no kind of scene; did you"),
+        ("kind: recorded", "kind: measured", "kind = 'measured' is no kind of scene; choose from"),
         ("decay.csv, role: train", "dekay.csv, role: train", "recordings[0].file = 'dekay.csv' is"),
         ("role: train", "role: trial", "recordings[0].role = 'trial' is not known"),
         ("role: train", "role: test", "has no recording with the role train"),
-        ("description:", "body: {}\ndescription:", "body = {} is no setting"),
+        ("description:", "body: {}\ndescription:", "is no setting; choose from kind, name"),
         ("kind: recorded", "kind: recorded\ntime_unit: h", "time_unit = 'h' is not known"),
         (
             "kind: recorded",
