@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
+from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
@@ -20,6 +21,7 @@ from vibrom.experiments import Experiment, Given, response
 from vibrom.models.measures import backbone_error, periodic
 from vibrom.models.model import Model
 from vibrom.models.recorded import structure
+from vibrom.models.training import Unsupported
 from vibrom.solvers.periodic.continuation import Lost
 from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap
@@ -45,6 +47,9 @@ class Resonance(Experiment):
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Frequency, amplitude and damping of each motion."""
+        known = structure(given.structure)
+        if known is None:
+            raise Unsupported("the mass, which tells the damping, is not known in this scene")
         flow = model.return_map()
         prepare(flow, flow.frequency)
         began = time.perf_counter()
@@ -52,7 +57,7 @@ class Resonance(Experiment):
             found = backbone(flow, float(self.forcing), self.points, self.turn)
         except Lost:
             found = None
-        rows = _nothing(len(given.probe)) if found is None else _rows(flow, found, given)
+        rows = _nothing(len(given.probe)) if found is None else _rows(flow, found, known.mass)
         rows["seconds"] = variable(
             (), time.perf_counter() - began, "s", "wall time of the computation, loading excluded"
         )
@@ -74,12 +79,11 @@ class Resonance(Experiment):
         }
 
 
-def _rows(flow: ReturnMap, found: Backbone, given: Given) -> dict[str, xr.Variable]:
+def _rows(flow: ReturnMap, found: Backbone, mass: csr_matrix) -> dict[str, xr.Variable]:
     """One entry a motion."""
     forcing = np.array([orbit.p for orbit in found.orbits])
     drives = [found.problem.drive(orbit.point.x) for orbit in found.orbits]
     x, frequency = (np.array(part) for part in zip(*drives))
-    mass = structure(given.structure).mass
     damping = [damping_ratio(flow, mass, *drive) for drive in zip(x, frequency, forcing)]
     largest = np.array([np.abs(orbit.multipliers).max() for orbit in found.orbits]) ** flow.parts
     swing = np.stack([item.displacement for item in flow.swings(x, frequency, forcing)], axis=1)

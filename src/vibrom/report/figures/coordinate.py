@@ -71,9 +71,9 @@ def draw(collection, scores, scene) -> Figure:
 
 def seen(collection, scores, scene) -> str:
     """Whether the coordinate is passed twice, and how well each method's coordinates do."""
-    known, train = (collection.find(scene, FULL_ORDER, name) for name in ("structure", "train"))
+    known, train = collection.mesh(scene), collection.find(scene, FULL_ORDER, "train")
     if known is None or train is None or not finite(train):
-        return "No structure or recorded decays in this run."
+        return "No body or recorded decays in this run."
     operators = structure(known)
     z = train["displacement"].values @ (operators.mass @ operators.leading(1)[0])
     shown = train["time"].values - train["time"].values[0] < PERIODS * float(train["period"])
