@@ -58,6 +58,8 @@ class Force:
     # Its tangent kernel adds d(d+1)/2 entries an element (lower triangle, row by row); otherwise
     # d*d (row by row).
     symmetric: bool = True
+    # Does it derive from a potential, so that its work is a change of energy?
+    conservative: bool = True
     # gives the potentials that the force derives from, none of a force that is linear; None where
     # it is no cubic polynomial of the displacements
     quartic: Callable[[], tuple[Quartic, ...]] | None = None

@@ -52,6 +52,15 @@ def test_the_error_of_a_wrong_stiffness_by_hand(made):
     assert expected > 100 * SETTINGS["tolerance"] and float(wrong["trusted_displacement"]) == 0.0
 
 
+def test_the_balance_of_an_exact_model_and_of_a_wrong_one(made):
+    """A motion of a wrong stiffness gains and loses up to OFF of its energy in springs; driven at
+    resonance it has next to none in them when the signal is zero.
+    """
+    names = ["decay_balance", "forced_balance"]
+    exact, wrong = (np.array([float(made.isel(fit=k)[name]) for name in names]) for k in (0, 1))
+    assert (exact < 1e-4).all() and (wrong > 1e-3).all() and (wrong < 3 * OFF).all()
+
+
 def test_a_model_that_was_not_fitted_has_its_word(made):
     absent = made.isel(fit=2)
     assert str(absent["outcome"].values) == "training_diverged"

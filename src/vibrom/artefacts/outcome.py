@@ -41,6 +41,7 @@ class Outcome(StrEnum):
     OK = "ok", True, Severity.FINE, "ended as asked"
     LEFT_RANGE = "left_range", True, Severity.NOTE, "left its training range"
     NOT_STEADY = "not_steady", True, Severity.NOTE, "still changed when the run ended"
+    UNBALANCED = "unbalanced", True, Severity.NOTE, "its energy, work and losses do not add up"
     STATIC = "static", True, Severity.NOTE, "at rest: no mass is left that could move"
     UNFORCED = "unforced", True, Severity.NOTE, "no load is left"
     NO_MODES = "no_modes", True, Severity.NOTE, "no stiffness is left, so that it has no modes"

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps, TimeScheme
+from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps, TimeScheme, Tolerance
 
 Role = Literal["train", "test"]
 # Effects add up in this order, whatever the order of their keys, those of one stage by their names:
@@ -61,6 +61,7 @@ class Record(Block, frozen=True):
     derivatives: Literal["differences", "integrator"] = "differences"
     # time steps of the converged test decay to each of the scene's; 0: there is none
     finer: Annotated[int, Meta(ge=0, multiple_of=2)] = 2
+    balance: Tolerance = 0.01  # relative error of energy, work and losses
 
 
 class Time(Block, frozen=True):

@@ -63,6 +63,7 @@ class FollowerLoad:
                     space.number[dofs],
                     table,
                     symmetric=False,
+                    conservative=False,
                     quartic=tuple,
                 ),
             ),

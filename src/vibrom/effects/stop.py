@@ -42,6 +42,7 @@ class Stop:
             lambda width: (_force, _tangent),
             np.array([[dof]]),
             table,
+            conservative=self.damping == 0.0,
             mean=lambda width: (_mean_force, _mean_tangent),
         )
         return Term(forces=(stop,))

@@ -12,9 +12,10 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
+from vibrom.models.balance import balance_variable, checked
 from vibrom.models.measures import nmte_percent
 from vibrom.models.model import Drive, Model, Watch
-from vibrom.models.steady import change, judged, strobe
+from vibrom.models.steady import change, change_variable, judged, strobe
 
 THIN = 2  # the whole motion is kept at every second of the instants of a period
 
@@ -26,6 +27,7 @@ class Forced(Experiment):
     forcing: Positive  # amplitude, times the scene's load
     periods: Count = 200
     steady: Tolerance = 0.001  # of the amplitude: what the last quarter of a run may still change
+    balance: Tolerance = 0.01  # relative error of energy, work and losses, where that is known
 
     scores = {"nmte_percent": "percent", "amplitude_error_percent": "percent"}
     truth = "forced"
@@ -45,7 +47,8 @@ class Forced(Experiment):
         run = model.motion(at_rest(model), drive, Watch(instants, model.probes), Watch(last), seen)
         largest = np.abs(run.displacement[1][:, :, model.probes]).max(axis=1)
         changes = change(run.displacement[2], largest, self.periods)
-        ended = judged(run.outcome, changes, self.steady)
+        ended = checked(run.outcome, run.balance, self.balance)
+        ended = judged(ended, changes, self.steady)
         answer = {
             "probe_displacement": variable(
                 ("probe", "time"), run.displacement[0][0].T, "m", "displacement at the probes"
@@ -61,9 +64,8 @@ class Forced(Experiment):
                 (), model.frequency, "rad s-1", "angular frequency of the forcing"
             ),
             "period": variable((), period, "s", "period of the forcing"),
-            "change": variable(
-                (), changes[0], "1", "change in the last quarter of the run, over the amplitude"
-            ),
+            **change_variable((), changes[0]),
+            **balance_variable((), run.balance),
             **outcome_variables(ended[0], run.failed_at[0], run.seconds),
         }
         if run.reduced is not None:

@@ -14,9 +14,10 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest, response
+from vibrom.models.balance import balance_variable, checked
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Drive, Model, Watch
-from vibrom.models.steady import change, judged, strobe
+from vibrom.models.steady import change, change_variable, judged, strobe
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class ResponseCurve(Experiment):
     lowest: Positive = 0.8  # times the damped first frequency
     highest: Positive = 1.2  # times the damped first frequency
     steady: Tolerance = 0.001  # of the amplitude: what the last quarter of a run may still change
+    balance: Tolerance = 0.01  # relative error of energy, work and losses, where that is known
 
     scores = {
         "completed": "1",
@@ -55,18 +57,18 @@ class ResponseCurve(Experiment):
         run = model.motion(at_rest(model, len(frequency)), drive, watch, seen)
         largest = np.abs(run.displacement[0]).max(axis=1)
         changes = change(run.displacement[1], largest, self.periods)
+        ended = checked(run.outcome, run.balance, self.balance)
         shown = periodic(np.roll(run.displacement[0].transpose(2, 0, 1), 1, axis=-1))
         dims, point = ("probe", "angular_frequency"), "angular_frequency"
         answer = {
             **response(dims, shown),
             "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
+            **balance_variable(point, run.balance),
             **outcome_variables(Outcome.OK, seconds=run.seconds),
             "outcome": variable(
-                point, judged(run.outcome, changes, self.steady), "1", "how the run ended"
+                point, judged(ended, changes, self.steady), "1", "how the run ended"
             ),
-            "change": variable(
-                point, changes, "1", "change in the last quarter of the run, over the amplitude"
-            ),
+            **change_variable(point, changes),
             "failed_at": variable(
                 point, run.failed_at, "s", "when the run failed or first left the training range"
             ),

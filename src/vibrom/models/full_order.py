@@ -16,6 +16,7 @@ from vibrom import effects
 from vibrom.artefacts.progress import bar
 from vibrom.bodies import space
 from vibrom.config.scene import Time
+from vibrom.models.balance import Ledger
 from vibrom.models.model import Drive, Motion, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.training import Unsupported
@@ -137,7 +138,7 @@ class FullOrder:
         places = [steps_of(watch.instants, step) for watch in watches]
         last = max(int(place[-1]) for place in places)
         record = _record(watches, places, last)
-        run = self.run(start, step, last, record, drive)
+        run, balance = self.balanced(start, step, last, record, drive)
         displacement = tuple(
             run.displacement[:, np.searchsorted(run.kept, place)]
             if watch.dofs is None
@@ -148,7 +149,15 @@ class FullOrder:
         )
         outcome = np.array(run.outcomes, dtype=object)
         unknown = np.full(runs, np.nan)
-        return Motion(displacement, None, outcome, run.failed_at, unknown, run.seconds)
+        return Motion(displacement, None, outcome, run.failed_at, unknown, balance, run.seconds)
+
+    def balanced(
+        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None
+    ) -> tuple[SolverMotion, np.ndarray]:
+        """`run`, and its work balance (b,)."""
+        ledger = Ledger(self.term, self.rest, step, self.steps_per_period, drive)
+        run = self.run(start, step, steps, replace(record, observer=ledger), drive)
+        return run, np.where(np.isnan(run.failed_at), ledger.balance(), np.nan)
 
     def run(
         self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None

@@ -47,6 +47,8 @@ class Motion:
     outcome: np.ndarray  # (b,) how each run ended
     failed_at: np.ndarray  # (b,) s, when it failed or first left the training range; NaN: never
     range_ratio: np.ndarray  # (b,) largest reduced coordinate over the largest in the training data
+    # (b,) relative error of energy, work and losses (`balance`); None: not known, NaN: not judged
+    balance: np.ndarray | None
     seconds: float  # wall time; a first call loads and compiles too, so that jobs make a brief one
 
 

@@ -90,7 +90,7 @@ class Reduced:
             )
         seconds = time.perf_counter() - began
         outcome = np.array(run.outcome, dtype=object)
-        return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, seconds)
+        return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, None, seconds)
 
     def _beside(
         self, reduced: np.ndarray, instants: np.ndarray, drive: Drive, dofs: np.ndarray | None

@@ -9,7 +9,9 @@ periods are not judged.
 """
 
 import numpy as np
+import xarray as xr
 
+from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.models.model import Watch
 
@@ -35,6 +37,12 @@ def change(seen: np.ndarray, amplitude: np.ndarray, periods: int) -> np.ndarray:
     apart = np.abs(moments[:, -1:] - moments[:, :-1]).max(axis=(1, 2, 3))
     with np.errstate(invalid="ignore", divide="ignore"):
         return apart / np.abs(amplitude).max(axis=1)
+
+
+def change_variable(dims: tuple[str, ...] | str, changes: np.ndarray) -> dict[str, xr.Variable]:
+    """As answers keep it."""
+    words = "change in the last quarter of the run, over the amplitude"
+    return {"change": variable(dims, changes, "1", words)}
 
 
 def judged(outcome: np.ndarray, changes: np.ndarray, tolerance: float) -> np.ndarray:

@@ -26,6 +26,7 @@ from vibrom.artefacts.data import (
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Record, Time
+from vibrom.models.balance import balance_variable, checked
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import nmte_percent
 from vibrom.models.model import Watch
@@ -49,7 +50,8 @@ def run(
     step, steps = model.period / model.steps_per_period, record.periods * model.steps_per_period
     start = np.concatenate([shape, np.zeros_like(shape)])[None]
     keep = Kept(probes=model.probes)
-    motion = model.run(start, np.array([step]), steps, keep, None)
+    motion, balance = model.balanced(start, np.array([step]), steps, keep, None)
+    ended = checked(np.array(motion.outcomes, dtype=object), balance, record.balance)
     time, probes = motion.kept * step, motion.probes[0]
     q, v, a = motion.displacement[0], motion.velocity[0], motion.acceleration[0]
     if record.derivatives == "differences":
@@ -66,14 +68,15 @@ def run(
                 ("probe", "time"), probes[:, kept], "m", "displacement at the probes"
             ),
             "period": variable((), model.period, "s", "period of the damped first mode"),
-            **outcome_variables(motion.outcomes[0], motion.failed_at[0], motion.seconds),
+            **balance_variable((), balance),
+            **outcome_variables(ended[0], motion.failed_at[0], motion.seconds),
         },
         coords={
             "time": variable("time", time[kept], "s", "time since release"),
             "probe": known["probe"].variable,
         },
     )
-    if role == "test" and record.finer and motion.outcomes == [Outcome.OK]:
+    if role == "test" and record.finer and Outcome(ended[0]).has_value:
         dataset = dataset.assign(without_errors(model, record.finer, dataset))
     dataset = label(
         dataset,

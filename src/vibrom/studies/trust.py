@@ -4,12 +4,14 @@
 
 (`models.trust`). It is evaluated along ellipses of growing amplitude, where one reduced oscillator
 moves, and in the first period of the model's own decay from the test release. A model is trusted up
-to the largest displacement at which e stays within a tolerance.
+to the largest displacement at which e stays within a tolerance. Beside that stands the work balance
+(`models.balance`) of its decay and of the scene's forced run, which starts at rest.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -20,10 +22,14 @@ from msgspec import Meta
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome
-from vibrom.config.kinds import Positive, Tolerance
+from vibrom.config.kinds import Count, Positive, Tolerance
+from vibrom.models.balance import SAMPLES, of_motion
 from vibrom.models.full_order import FullOrder
+from vibrom.models.model import Drive, Watch
+from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator, rollout
 from vibrom.models.rom import Rom, rom_from_dataset
+from vibrom.models.training import Unsupported
 from vibrom.models.trust import PHASES, Residual, ellipse, equation_error, trusted
 from vibrom.studies import Case, Fitted, Study
 from vibrom.studies.parts.records import Column, stacked, text
@@ -40,6 +46,8 @@ COLUMNS = {
     "trusted_probe_displacement": Column("m", "the same of the first probe"),
     "release_error": Column("percent", "error in the first period of the test decay"),
     "release_displacement": Column("m", "largest displacement of that period"),
+    "decay_balance": Column("1", "relative error of energy and losses of the decay"),
+    "forced_balance": Column("1", "relative error of energy, work and losses of a forced run"),
 }
 
 
@@ -51,9 +59,11 @@ class Trust(Study):
 
     amplitudes: Annotated[list[Positive], Meta(min_length=1)]  # ascending; none is tried beyond
     tolerance: Tolerance  # of e
+    periods: Count = 30  # of the runs whose work balance is taken
 
     jobs = {"models": "trust"}
     reads = {"models": ("full_order/release",)}
+    experiments = ("forced",)
 
     def of_models(self, case: Case) -> xr.Dataset:
         """One entry a model."""
@@ -100,7 +110,11 @@ class Trust(Study):
         amplitude = trusted(error, self.tolerance, max(self.amplitudes))
         up_to = largest(amplitude)
         times = full.period * np.arange(PHASES) / PHASES
-        decay = rollout(rom, rom.encode(start[None]), times[None], Integrator(**case.integrator))
+        integrator = Integrator(**case.integrator)
+        balances = self._balances(
+            case, full, start, Reduced.of_scene(rom, case.structure, integrator)
+        )
+        decay = rollout(rom, rom.encode(start[None]), times[None], integrator)
         states = decay.reduced[0]
         return {
             "error": 100.0 * np.array([error(amplitude) for amplitude in self.amplitudes]),
@@ -110,7 +124,24 @@ class Trust(Study):
             "trusted_probe_displacement": up_to[1],
             "release_error": 100.0 * equation_error(residual, rom, states),
             "release_displacement": swing(rom, states, probe)[0],
+            **balances,
         }
+
+    def _balances(
+        self, case: Case, full: FullOrder, start: np.ndarray, model: Reduced
+    ) -> dict[str, float]:
+        """Of the test decay, and of a run that is forced from rest, where there is one."""
+        runs = {"decay_balance": (start[None], None)}
+        if "forced" in case.scene["experiments"]:
+            forcing = np.array([float(case.settings("forced")["forcing"])])
+            drive = Drive(forcing, np.array([full.frequency]))
+            runs["forced_balance"] = (np.zeros((1, len(start))), drive)
+        watch, found = Watch(full.period * np.arange(self.periods * SAMPLES + 1) / SAMPLES), {}
+        for name, (state, drive) in runs.items():
+            with suppress(Unsupported):
+                motion = model.motion(state, drive, watch).displacement[0][0]
+                found[name] = of_motion(full.term, full.rest, full.period, drive, motion)
+        return found
 
 
 def swing(rom: Rom, z: np.ndarray, probe: int) -> tuple[float, float]:

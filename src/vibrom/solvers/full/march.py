@@ -9,7 +9,7 @@ import numpy as np
 
 from vibrom.kernels.compiled import passing_kernels
 from vibrom.solvers.full.batch import Batch
-from vibrom.solvers.full.motion import Motion, Record
+from vibrom.solvers.full.motion import Motion, Observer, Record
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.stepper import Stepper
 from vibrom.solvers.full.store import Span, Store
@@ -57,6 +57,8 @@ def march(
         span = Span(first, min(first + stepper.chunk, steps))
         stored = stepper.advance(span, store)
         _move(store, stored, span, record, motion, where)
+        if record.observer is not None:
+            _show(store, span, record.observer, where)
         if progress is not None:
             progress((span.last - span.first) * live)
     for state, failed in zip(range(where.start, where.stop), stepper.failed):
@@ -72,9 +74,20 @@ def march(
 def _room(record: Record, steps: int, n: int, width: int) -> Store:
     probes = np.ascontiguousarray(record.probes, dtype=np.int64)
     records = np.zeros((3, steps // record.every + 2, n, width))
-    return Store(
-        record.every, record.start, probes, *records, np.zeros((steps + 1, len(probes), width))
-    )
+    watched = np.zeros((steps + 1, len(probes), width))
+    apart = 0 if record.observer is None else record.observer.apart
+    shown = np.zeros((3, steps // apart + 2 if apart else 0, n, width))
+    return Store(record.every, record.start, probes, *records, watched, apart, *shown)
+
+
+def _show(store: Store, span: Span, observer: Observer, where: slice) -> None:
+    """To the observer, what the steps of a span have left."""
+    apart, live = store.apart, where.stop - where.start
+    first = span.first if span.first == 0 else span.first + 1
+    numbers = np.arange(-(-first // apart) * apart, span.last + 1, apart)
+    rows = numbers // apart - span.first // apart
+    parts = (part[rows, :, :live] for part in (store.seen_q, store.seen_v, store.seen_a))
+    observer.see(numbers, where, *parts)
 
 
 def _move(

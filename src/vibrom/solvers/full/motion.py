@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
 from vibrom.artefacts.hardware import check_memory
 from vibrom.artefacts.outcome import Outcome
+
+
+class Observer(Protocol):
+    """Sees whole states while they are integrated, so that they need not be kept."""
+
+    apart: int  # steps between two that it sees, step 0 among them
+
+    def see(
+        self, steps: np.ndarray, where: slice, q: np.ndarray, v: np.ndarray, a: np.ndarray
+    ) -> None:
+        """Displacement, velocity and acceleration (m, n, states) of these steps (m,), of the states
+        `where` of the motion; each step once, in order.
+        """
 
 
 @dataclass(frozen=True)
@@ -19,6 +33,7 @@ class Record:
     # (k,) free displacements that are kept at every step,
     probes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     probe_start: int = 0  # from this step on
+    observer: Observer | None = None
 
     def check(self, n: int) -> None:
         """Raises ValueError where it asks for what a body of n displacements has not."""

@@ -36,6 +36,10 @@ class Store(NamedTuple):
     v: Blocks  # (records, n, width) m/s
     a: Blocks  # (records, n, width) m/s^2
     watched: Blocks  # (steps of the chunk + 1, k, width) m
+    apart: int  # steps between the states that are shown to an observer; 0: there is none
+    seen_q: Blocks  # (shown, n, width) m
+    seen_v: Blocks  # (shown, n, width) m/s
+    seen_a: Blocks  # (shown, n, width) m/s^2
 
 
 def chunk(n: int, width: int) -> int:
@@ -70,6 +74,12 @@ def keep(step, span, state, store, stored):
     for k in range(store.probes.shape[0]):
         for w in range(state.q.shape[1]):
             store.watched[step - span.first, k, w] = state.q[store.probes[k], w]
+    if store.apart > 0 and step % store.apart == 0:
+        shown = step // store.apart - span.first // store.apart
+        for i in range(state.q.shape[0]):
+            for w in range(state.q.shape[1]):
+                store.seen_q[shown, i, w], store.seen_v[shown, i, w] = state.q[i, w], state.v[i, w]
+                store.seen_a[shown, i, w] = state.a[i, w]
     if step < store.start or (step - store.start) % store.every:
         return stored
     for i in range(state.q.shape[0]):
