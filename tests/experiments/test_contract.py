@@ -89,8 +89,8 @@ def test_an_exact_model_is_scored_as_exact(name, of_reduced, of_full_order):
 
 @pytest.mark.parametrize("name", plugs.names("experiments"))
 def test_both_kinds_of_model_answer_alike(name, of_reduced, of_full_order):
-    """The same variables, but for reduced coordinates and the work balance, and the same values within the errors of the
-    time steps.
+    """The same variables, but for reduced coordinates and the work balance, and the same values
+    within the errors of the time steps.
     """
     if name not in of_full_order or not question(name).of_model:
         return

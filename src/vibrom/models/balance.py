@@ -24,7 +24,6 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.models.energy import energy
 from vibrom.models.model import Drive
 from vibrom.models.recorded import differences
-from vibrom.solvers.full.batch import mass_damping
 from vibrom.term import Term
 
 PARTS = 20  # of a period, between samples: v'C v has twice the frequency of the motion
@@ -96,21 +95,20 @@ class Ledger:
     def _taken(self, v: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """v'C v, and what it changes by."""
         if self.term.damping is None:
-            return np.zeros((2, len(v), v.shape[2]))
-        rate = mass_damping(self.term)
-        matrix = rate * self.term.mass if rate else self.term.damping
+            none = np.zeros((len(v), v.shape[2]))
+            return none, none
         flat = v.transpose(1, 0, 2).reshape(v.shape[1], -1)
-        dragged = (matrix @ flat).reshape(v.shape[1], len(v), -1)
-        return tuple(
-            factor * np.einsum("mnw,nmw->mw", x, dragged) for factor, x in ((1, v), (2, a))
-        )
+        dragged = (self.term.damping @ flat).reshape(v.shape[1], len(v), -1)
+        power, change = (np.einsum("mnw,nmw->mw", x, dragged) for x in (v, a))
+        return power, 2.0 * change
 
     def _given(
         self, steps: np.ndarray, where: slice, v: np.ndarray, a: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """p'v u, and what it changes by."""
         if self.drive is None or self.term.load is None:
-            return np.zeros((2, len(v), v.shape[2]))
+            none = np.zeros((len(v), v.shape[2]))
+            return none, none
         phase = 2.0 * np.pi * steps[:, None] / self.per_period
         u = np.sin(phase) * self.drive.amplitude[where]
         rate = np.cos(phase) * self.drive.amplitude[where] * self.drive.frequency[where]
@@ -143,4 +141,5 @@ class Ledger:
         q, v = states.transpose(0, 1, 3, 2).reshape(2, -1, n)
         stored = energy(self.term, q - self.rest, v, self.rest).reshape(count, width)
         off = np.abs(stored - stored[0] - given[:count] + taken[:count]).max(axis=0)
-        return off / (np.abs(stored).max(axis=0) + taken[-1])
+        with np.errstate(invalid="ignore"):  # at rest there is no energy
+            return off / (np.abs(stored).max(axis=0) + taken[-1])

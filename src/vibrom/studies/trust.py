@@ -131,11 +131,11 @@ class Trust(Study):
         self, case: Case, full: FullOrder, start: np.ndarray, model: Reduced
     ) -> dict[str, float]:
         """Of the test decay, and of a run that is forced from rest, where there is one."""
-        runs = {"decay_balance": (start[None], None)}
+        runs: dict[str, tuple[np.ndarray, Drive | None]] = {"decay_balance": (start[None], None)}
         if "forced" in case.scene["experiments"]:
             forcing = np.array([float(case.settings("forced")["forcing"])])
-            drive = Drive(forcing, np.array([full.frequency]))
-            runs["forced_balance"] = (np.zeros((1, len(start))), drive)
+            at_resonance = Drive(forcing, np.array([full.frequency]))
+            runs["forced_balance"] = (np.zeros((1, len(start))), at_resonance)
         watch, found = Watch(full.period * np.arange(self.periods * SAMPLES + 1) / SAMPLES), {}
         for name, (state, drive) in runs.items():
             with suppress(Unsupported):

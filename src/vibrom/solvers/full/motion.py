@@ -14,7 +14,9 @@ from vibrom.artefacts.outcome import Outcome
 class Observer(Protocol):
     """Sees whole states while they are integrated, so that they need not be kept."""
 
-    apart: int  # steps between two that it sees, step 0 among them
+    @property
+    def apart(self) -> int:
+        """Steps between two that it sees, step 0 among them."""
 
     def see(
         self, steps: np.ndarray, where: slice, q: np.ndarray, v: np.ndarray, a: np.ndarray
