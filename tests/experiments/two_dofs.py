@@ -26,6 +26,13 @@ RATIOS = DAMPING / (2.0 * FREQUENCIES)
 DAMPED = FREQUENCIES[0] * np.sqrt(1.0 - RATIOS[0] ** 2)
 START = np.array([0.3, 0.4])  # m, where the record begins, at rest
 SAMPLES, PERIODS = 50, 12  # stored instants of a period, and how long the record is
+DRIVEN = DAMPED * np.array([0.8, 1.0, 1.1])  # frequencies of a measured response
+
+
+def swing(frequency: np.ndarray) -> np.ndarray:
+    """|sum_k phi_k p_k/(omega_k^2 - Omega^2 + i c Omega)| (m,) of the second mass [m]."""
+    compliance = SQUARES - frequency[:, None] ** 2 + 1j * DAMPING * frequency[:, None]
+    return np.abs((MODES[:, 1] * (MODES @ LOAD) / compliance).sum(axis=1))
 
 
 def structure() -> xr.Dataset:
@@ -44,6 +51,9 @@ def structure() -> xr.Dataset:
             "mode_shape": variable(("mode", "dof"), MODES, "kg-0.5", "modes"),
             "load": variable("dof", LOAD, "N", "load"),
             "probe_dof": variable("probe", [0, 1], "1", "watched displacement"),
+            "response_frequency": variable("response", DRIVEN, "rad s-1", "of a measured curve"),
+            "response_amplitude": variable("response", swing(DRIVEN), "m", "measured amplitude"),
+            "response_dof": variable((), 1, "1", "displacement of the amplitude"),
         },
         coords={"probe": variable("probe", np.array(["one", "two"], object), "1", "name")},
     )

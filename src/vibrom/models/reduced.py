@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from vibrom.models.calibration import Calibration
 from vibrom.models.model import Drive, Motion, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
@@ -33,19 +35,23 @@ class Reduced:
     integrator: Integrator
     # Of a period: a maximum between two instants is missed by at most (pi/500)^2/2 = 2e-5 of it.
     samples: int = 500
+    calibration: Calibration | None = None  # of the load's strength; None: it is known
 
     @classmethod
     def of_scene(cls, rom: Rom, known: xr.Dataset, integrator: Integrator) -> Reduced:
         """A fitted model in the scene of this structure."""
         load, probes = known["load"].values, known["probe_dof"].values
-        return cls(rom, load, probes, damped_frequency(known), integrator)
+        first, calibration = damped_frequency(known), Calibration.of_scene(known)
+        return cls(rom, load, probes, first, integrator, calibration=calibration)
 
-    @property
+    @cached_property
     def known_load(self) -> np.ndarray:
-        """The load; Unsupported where it is not known."""
+        """The load, calibrated where its strength is not known; Unsupported where nothing is."""
         if np.isnan(self.load).any():
             raise Unsupported("the load of this scene is not known; say what drives it (`forcing`)")
-        return self.load
+        if self.calibration is None:
+            return self.load
+        return self.load * self.calibration.strength(self.rom, self.load)
 
     @property
     def size(self) -> int:

@@ -17,11 +17,12 @@ from scipy.sparse import coo_matrix
 from vibrom.artefacts.data import label, outcome_variables, save_dataset, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
-from vibrom.config.recorded import RecordedScene
+from vibrom.config.recorded import METRES, Forcing, RecordedScene
 from vibrom.recordings import samples
 from vibrom.recordings.linear import linear_part
 from vibrom.recordings.operators import known
 from vibrom.recordings.preparation import Decays, Prepared, prepare
+from vibrom.recordings.response import point, response
 
 Variables = dict[str, xr.Variable]
 PAUSE = 10  # steps, between recordings that follow one another
@@ -58,6 +59,8 @@ def structure_of(scene: RecordedScene, decays: Decays) -> xr.Dataset:
             "probe", decays.probes, "1", "free displacement that each probe watches"
         ),
     }
+    if scene.forcing and scene.forcing.response:
+        variables |= response_of(scene.forcing, decays, METRES[scene.length_unit])
     coords = {
         "probe": probes(decays),
         "mode": variable(
@@ -110,6 +113,22 @@ def entries(matrix: np.ndarray, what: str, units: str) -> Variables:
         f"{what}_column": variable(dim, found.col, "1", f"column {about}"),
         f"{what}_value": variable(dim, found.data, units, f"entries of the {what} matrix"),
     }
+
+
+def response_of(forcing: Forcing, decays: Decays, metres: float) -> Variables:
+    """The measured response curve, and its point that tells how strong an unknown load is."""
+    frequency, amplitude, channel = response(forcing.response, decays.names, metres)
+    variables = {
+        "response_frequency": variable("response", frequency, "rad s-1", "frequency of the load"),
+        "response_amplitude": variable("response", amplitude, "m", "measured amplitude"),
+        "response_dof": variable((), decays.probes[channel], "1", "displacement of the amplitude"),
+    }
+    if forcing.load is None:
+        at = point(forcing.calibrate, amplitude, forcing.response.file)
+        variables["calibration_point"] = variable(
+            (), at, "1", "point that tells the strength of the load, from zero"
+        )
+    return variables
 
 
 def load_of(scene: RecordedScene, decays: Decays) -> np.ndarray:
