@@ -32,7 +32,7 @@ def oscillator(cubic):
 
 @pytest.mark.parametrize("frequency", [8.0, 10.0, 12.0])
 def test_a_linear_oscillator_has_the_known_strength(frequency):
-    """A sqrt((omega^2 - Omega^2)^2 + (c Omega)^2)/2, of z; y = z/2 is measured, and its largest value
+    """A sqrt((omega^2 - Omega^2)^2 + (c Omega)^2)/2 of z; y = z/2 is measured. Its largest value is
     sought at 256 instants: (pi/256)^2/2 = 8e-5.
     """
     found = Calibration(frequency, 0.1, dof=1).strength(oscillator(0.0), np.array([1.0, 0.0]))

@@ -75,12 +75,17 @@ def has_table(name: str) -> bool:
     return name in _listed("tables")
 
 
-def figures(family: str, scenes: Iterable[str]) -> dict[str, Drawing]:
-    """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>."""
+def figures(
+    family: str, scenes: Iterable[str], recorded: Iterable[str] = ()
+) -> dict[str, Drawing]:
+    """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>; those with the
+    constant RECORDED are of `recorded` scenes only.
+    """
     found: dict[str, Drawing] = {}
     for plug, constants in _listed("figures").items():
         if constants["FAMILY"] == family:
-            for scene in [None] if constants["EACH"] == "run" else scenes:
+            shown = recorded if constants.get("RECORDED") else scenes
+            for scene in [None] if constants["EACH"] == "run" else shown:
                 name = plug if scene is None else f"{plug}_{scene}"
                 if name in found:
                     raise ValueError(f"two figures are called {name}; rename the scene {scene}")
@@ -91,7 +96,9 @@ def figures(family: str, scenes: Iterable[str]) -> dict[str, Drawing]:
 def drawing(name: str, scenes: Iterable[str]) -> Drawing:
     """The figure of this name."""
     scenes = list(scenes)
-    found = {key: made for family in families() for key, made in figures(family, scenes).items()}
+    found = {
+        key: made for family in families() for key, made in figures(family, scenes, scenes).items()
+    }
     if name not in found:
         raise ValueError(f"figure {name!r}: unknown; choose from {', '.join(found)}")
     return found[name]
