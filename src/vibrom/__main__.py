@@ -1,4 +1,6 @@
-"""What is installed, `vibrom`; whether a configuration is fine, `vibrom check [overlay ...]`."""
+"""What is installed, `vibrom`; whether a configuration is fine, `vibrom check [overlay ...]`; a
+scene from files of recorded motion, `vibrom record FILE ... --out config/scenes/NAME.yaml`.
+"""
 
 import argparse
 import sys
@@ -6,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import vibrom
+from vibrom.artefacts.files import DataError
 from vibrom.config import plugs, settings
 from vibrom.config.errors import ConfigError
 
@@ -37,6 +40,13 @@ def check(folder: Path, overlays: list[Path]) -> str:
     return "\n".join(["The configuration is fine.", *lines, f"{'results':12} {asked.results}"])
 
 
+def record(files: list[Path], out: Path) -> str:
+    """Writes the file of a scene of recorded motion, with comments, and says what was found."""
+    from vibrom.recordings import start
+
+    return start.written(files, out)
+
+
 def main() -> None:
     """The command `vibrom`."""
     parser = argparse.ArgumentParser(prog="vibrom", description=vibrom.__doc__)
@@ -46,13 +56,20 @@ def main() -> None:
     checking = commands.add_parser("check", help=about, description=check.__doc__)
     checking.add_argument("overlays", nargs="*", type=Path, help="as given to --configfile")
     checking.add_argument("--folder", type=Path, default="config", help="of config.yaml")
+    about = "write a scene of recorded motion"
+    recording = commands.add_parser("record", help=about, description=record.__doc__)
+    recording.add_argument("files", nargs="+", type=Path, help="CSV, NumPy, MATLAB or netCDF")
+    recording.add_argument("--out", required=True, type=Path, help="config/scenes/NAME.yaml")
     given = parser.parse_args()
     if given.command is None:
         print(report())
         return
     try:
-        print(check(given.folder, given.overlays))
-    except ConfigError as error:
+        if given.command == "record":
+            print(record(given.files, given.out))
+        else:
+            print(check(given.folder, given.overlays))
+    except (ConfigError, DataError) as error:
         sys.exit(f"vibrom: {error}")
 
 

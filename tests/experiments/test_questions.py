@@ -68,7 +68,7 @@ def test_backbone_of_a_linear_decay():
     """
     omega, zeta = 400.0, 0.01
     damped, t = omega * np.sqrt(1 - zeta**2), np.linspace(0, 0.4, 6001)
-    amplitude, frequency, damping = peak_finding_and_fitting(
+    amplitude, frequency, damping, *_ = peak_finding_and_fitting(
         t, 0.3 * np.exp(-zeta * omega * t) * np.cos(damped * t)
     )
     # Linear interpolation of the crossings errs by (omega dt)^2 of a sample, 1e-5 of a period; the
@@ -76,6 +76,23 @@ def test_backbone_of_a_linear_decay():
     np.testing.assert_allclose(frequency, damped, rtol=1e-4)
     np.testing.assert_allclose(damping, zeta, rtol=2e-2)
     assert np.all(np.diff(amplitude) < 0) and 0.25 < amplitude[0] < 0.3
+
+
+def test_a_mean_lies_within_its_interval_of_95_percent():
+    """Of a steady motion with noise of 0.5 % at the peaks and crossings, whose means are known; the
+    share of 240 windows that hold them is 95 %, or more as neighbouring half periods err against
+    one another.
+    """
+    t, hits = np.linspace(0, 3.0, 60001), []
+    for seed in range(4):
+        noise = 0.005 * np.random.default_rng(seed).standard_normal((2, 130))
+        at = np.arange(130) * np.pi / 400.0
+        shifted = 400.0 * t + np.interp(t, at, noise[0])
+        x = (1.0 + np.interp(t, at, noise[1])) * np.cos(shifted)
+        _, frequency, damping, *sure = peak_finding_and_fitting(t[t < 0.95], x[t < 0.95], 6)
+        hits += [np.abs(frequency - 400.0) <= sure[0], np.abs(damping) <= sure[1]]
+    shares = [np.concatenate(hits[first::2]).mean() for first in (0, 1)]
+    assert min(shares) > 0.92
 
 
 def test_backbone_of_a_hardening_oscillator():
@@ -93,17 +110,14 @@ def test_backbone_of_a_hardening_oscillator():
         rtol=1e-11,
         atol=1e-12,
     ).y[0]
-    amplitude, frequency, _ = peak_finding_and_fitting(t, x)
+    amplitude, frequency, *_ = peak_finding_and_fitting(t, x)
     np.testing.assert_allclose(amplitude, 1.0, rtol=1e-5)
     np.testing.assert_allclose(frequency, 1 + 3 * e / 8 - 21 * e**2 / 256, atol=0.4 * e**3)
 
 
 def test_too_short_a_decay_has_no_backbone():
-    assert [len(part) for part in peak_finding_and_fitting(np.linspace(0, 1, 50), np.ones(50))] == [
-        0,
-        0,
-        0,
-    ]
+    found = peak_finding_and_fitting(np.linspace(0, 1, 50), np.ones(50))
+    assert [len(part) for part in found] == [0, 0, 0, 0, 0]
     assert np.isnan(backbone_error((np.zeros(0),) * 2, (np.ones(3),) * 2))
 
 

@@ -166,3 +166,54 @@ def test_what_contradicts_itself_is_one_line(tmp_path, changes, says):
     with pytest.raises(DataError, match=says) as caught:
         made(tmp_path, scene(tmp_path, **changes))
     assert "\n" not in str(caught.value)
+
+
+def linear(time, start, omega=30.0, damping=0.5):
+    """A decay of x'' + 2 a x' + (omega^2 + a^2) x = 0 [m], from `start` at rest."""
+    turned = omega * time
+    wave = np.cos(turned) + damping / omega * np.sin(turned)
+    return start * np.exp(-damping * time) * wave
+
+
+def test_a_measured_response_tells_the_strength_of_the_load(tmp_path):
+    """A linear oscillator driven by an unknown acceleration of 7 m/s2: its response is known in
+    closed form, and a model that was trained on decays and calibrated at one point has all others.
+    """
+    omega = 30.0 + np.arange(-4.0, 5.0)
+    amplitude = 7.0 / np.abs(30.0**2 + 0.5**2 - omega**2 + 1j * omega)
+    np.savez(tmp_path / "sweep.npz", f=omega / (2 * np.pi), a=1e3 * amplitude)
+    for name, start in STARTS.items():
+        values = 1e3 * linear(TIME, start)
+        np.savez(tmp_path / f"{name}.npz", t=TIME, x=values)
+    curve = {"file": str(tmp_path / "sweep.npz"), "frequency": "f", "amplitude": "a", "unit": "Hz"}
+    blocks = scene(tmp_path, length_unit="mm", forcing={"response": curve, "calibrate": 2})
+    paths = {name: str(tmp_path / f"{name}.nc") for name in ("structure", "train", "test")}
+    recorded.run(**paths, scene=blocks, provenance={}, files=[])
+    known = open_dataset(paths["structure"], "structure")
+    np.testing.assert_allclose(known["response_frequency"], omega)
+    np.testing.assert_allclose(known["response_amplitude"], amplitude)
+    paths["folder"] = tmp_path
+    rom, _ = fitted(paths, "ssmlearn")
+    found = answer(paths, "measured_response", rom, settings={"periods": 60})
+    assert found["half_range"][1] == pytest.approx(amplitude[1], rel=2e-3)
+    assert score(found, "amplitude_error_largest_percent") < 1.0
+    forced = answer(paths, "frc", rom, settings={"forcing": 1.0, "frequencies": 3, "periods": 30})
+    assert set(forced["outcome"].values) <= {"ok", "not_steady"}
+
+
+def test_decays_for_tests_are_predicted_one_by_one(tmp_path):
+    """Two with different lengths: the error of both is that of each."""
+    blocks = scene(tmp_path)
+    blocks["recordings"] = [
+        item | {"role": role} for item, role in zip(blocks["recordings"], ("train", "test", "test"))
+    ]
+    blocks["recordings"][1]["end"] = 6.0
+    paths = made(tmp_path, blocks) | {"folder": tmp_path}
+    rom, _ = fitted(paths, "ssmlearn")
+    decay = answer(paths, "decay", rom, test=paths["test"], truth_decay=paths["test"])
+    assert score(decay, "nmte_percent") < 0.5
+    parts = decay["part"].values
+    assert (parts == 1).sum() - (parts == 0).sum() == pytest.approx(2.0 * 400, abs=100)
+    curve = answer(paths, "backbone", rom, decay=str(tmp_path / "decay.nc"))
+    omega, amplitude = (curve[name].values[0] for name in ("angular_frequency", "amplitude"))
+    np.testing.assert_allclose(omega, IT.frequency_at(amplitude), rtol=3e-3)

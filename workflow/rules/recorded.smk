@@ -25,6 +25,7 @@ rule recorded:
     conda:
         "../../envs/vibrom.yaml"
     params:
+        step="recorded",
         scene=lambda wildcards: SCENES[wildcards.scene],
         provenance=code("recorded"),
     message:

@@ -39,8 +39,10 @@ class Calibration:
         if "calibration_point" not in known:
             return None
         at = int(known["calibration_point"])
-        values = (known[f"response_{name}"].values[at] for name in ("frequency", "amplitude"))
-        return cls(*map(float, values), dof=int(known["response_dof"]))
+        frequency, amplitude = (
+            float(known[f"response_{name}"].values[at]) for name in ("frequency", "amplitude")
+        )
+        return cls(frequency, amplitude, int(known["response_dof"]))
 
     def strength(self, rom: Rom, load: np.ndarray) -> float:
         """s, in units of the load (n,); Unsupported where the model has no such response."""

@@ -41,6 +41,15 @@ class Trajectory:
     velocity: np.ndarray  # (m, n) m/s
     acceleration: np.ndarray  # (m, n) m/s^2
 
+    def part(self, samples: slice) -> Trajectory:
+        """Some of the samples."""
+        return Trajectory(
+            self.time[samples],
+            self.displacement[samples],
+            self.velocity[samples],
+            self.acceleration[samples],
+        )
+
     @property
     def state(self) -> np.ndarray:
         """Displacement, then velocity (m, 2n)."""

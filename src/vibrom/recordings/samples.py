@@ -7,6 +7,7 @@ made up: one that is longer than a small part of a period is refused.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -134,7 +135,8 @@ def oriented(values: np.ndarray, length: int | None, where: str, name: str) -> n
 
 
 def clean(name: str) -> str:
-    """A channel's name as names of probes are: letters, digits and '_'."""
+    """A channel's name as names of probes are, without a unit in brackets."""
+    name = re.sub(r"\s*[\[(][^\[(]*[\])]\s*$", "", name)
     kept = "".join(letter if letter.isalnum() else "_" for letter in name).strip("_")
     return kept[:60] or "channel"
 

@@ -75,9 +75,7 @@ def has_table(name: str) -> bool:
     return name in _listed("tables")
 
 
-def figures(
-    family: str, scenes: Iterable[str], recorded: Iterable[str] = ()
-) -> dict[str, Drawing]:
+def figures(family: str, scenes: Iterable[str], recorded: Iterable[str] = ()) -> dict[str, Drawing]:
     """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>; those with the
     constant RECORDED are of `recorded` scenes only.
     """

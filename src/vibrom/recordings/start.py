@@ -1,0 +1,156 @@
+"""The file of a scene for recordings that nobody has described yet: `vibrom record FILE ...`.
+
+What is in the files is found by their names and shapes; what cannot be found is a comment to be
+read. The last recording is for tests, the others for training; a single one is cut in the middle.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+
+from vibrom.artefacts.files import DataError, write
+from vibrom.config.recorded import METRES, SECONDS, RecordedScene, Recording
+from vibrom.recordings import files, samples
+
+PAIR = re.compile(r"(.+)\{(\d+),1\}")  # x{1,1} instants, x{1,2} channels, x{2,1} instants, ...
+UNIT = re.compile(r"[\[(/]\s*(\w+)\s*[\])]?\s*$")  # time [ms], x (mm), x / mm
+TEXT = """\
+# Written by `vibrom record`; see docs/walks/measurement.md for what each key does.
+kind: recorded
+description: {description}
+
+# In which unit the files have their instants ({times}) and displacements ({lengths}).
+time_unit: {time_unit}
+length_unit: {length_unit}
+
+# What is learnt from (train) and what predictions are compared with (test). `begin` and `end`, in
+# the unit of the file, use a part of a recording.
+recordings:
+{recordings}
+
+# From samples to states. Every entry has a rule; the lines in comments are what may be set.
+preparation:
+  filter: regularised     # savitzky_golay, or none
+  # start: 0.5            # s, where the slow motion begins; see the figure slow_motion
+  # harmonics: 3          # of the first frequency, that the filter keeps
+  # delays: 5             # instants whose samples make a state
+  # frequency: 10.0       # Hz, of the slow motion, where another line is higher
+
+# What drives the body, where that is known: `load`, one entry a channel. Where only a response was
+# measured, one of its points tells how strong the load is.
+# forcing:
+#   response: {{file: sweep.csv, frequency: omega, amplitude: amplitude, unit: rad/s}}
+
+experiments:
+  backbone: {{half_periods: 8}}   # in a mean of frequency and damping
+  # measured_response: {{}}       # with a forcing
+"""
+
+
+def written(paths: list[Path], out: Path) -> str:
+    """Writes the scene's file and says in a few lines what was found. Raises DataError where the
+    files cannot be used, or the scene is there already.
+    """
+    if out.exists():
+        raise DataError(f"{out}: is there already; choose another name or remove it")
+    if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*\.yaml", out.name):
+        raise DataError(f"{out}: the name of a scene has letters, digits, '_', '-' and '.yaml'")
+    found = [entry for path in paths for entry in recordings_in(path)]
+    time_unit, length_unit = units(paths)
+    scene = described(found, time_unit, length_unit)
+    loaded = samples.load(scene)
+    frequency = samples.common_frequency(loaded, None)
+    write(out, text(scene, paths))
+    lines = [
+        f"{out}: a scene of {len(loaded)} recordings, first frequency {frequency:.4g} Hz",
+        *(
+            f"  {item.where}: {len(item.names)} channels, {len(item.time)} samples, "
+            f"{(item.time[-1] - item.time[0]) * frequency:.0f} periods of "
+            f"{1.0 / (item.step * frequency):.0f} samples"
+            for item in loaded
+        ),
+        f"Run it: snakemake --cores 2 --config 'scenes=[{out.stem}]'",
+    ]
+    return "\n".join(lines)
+
+
+def recordings_in(path: Path) -> list[Recording]:
+    """Those of one file, all for training."""
+    arrays = files.read(path)
+    pairs = [
+        (name, f"{match[1]}{{{match[2]},2}}")
+        for name in arrays
+        if (match := PAIR.fullmatch(name)) and f"{match[1]}{{{match[2]},2}}" in arrays
+    ]
+    if pairs:
+        return [
+            Recording(file=str(path), role="train", time=time, channels=(channels,))
+            for time, channels in pairs
+        ]
+    if len(arrays) == 1:
+        return [Recording(file=str(path), role="train")]
+    time = next((name for name in samples.TIMES if name in arrays), None)
+    time = time or next((name for name, values in arrays.items() if rises(values)), None)
+    if time is None:
+        known = ", ".join(arrays)
+        raise DataError(f"{path}: no instants among {known}; write the scene's file by hand")
+    length = arrays[time].size
+    channels = [name for name, values in arrays.items() if name != time and length in values.shape]
+    return [Recording(file=str(path), role="train", time=time, channels=tuple(channels))]
+
+
+def rises(values: np.ndarray) -> bool:
+    """Could these be instants?"""
+    return (
+        values.size > 2
+        and values.size in values.shape
+        and bool((np.diff(values.ravel()) > 0).all())
+    )
+
+
+def units(paths: list[Path]) -> tuple[str, str]:
+    """Of time and length, as the names in the files say; s and m where they do not."""
+    found = [
+        match[1] for path in paths for name in files.read(path) if (match := UNIT.search(name))
+    ]
+    time = next((word for word in found if word in SECONDS), "s")
+    return time, next((word for word in found if word in METRES), "m")
+
+
+def described(found: list[Recording], time_unit: str, length_unit: str) -> RecordedScene:
+    """The scene of these recordings, with roles."""
+    plain = [item.to_builtins() for item in found]
+    if len(plain) == 1:
+        one = samples.loaded(found[0], scene_of(plain * 2, "s", length_unit))
+        middle = float(f"{0.5 * (one.time[0] + one.time[-1]):.4g}")
+        plain = [plain[0] | {"end": middle}, plain[0] | {"begin": middle}]
+    plain[-1]["role"] = "test"
+    return scene_of(plain, time_unit, length_unit)
+
+
+def scene_of(recordings: list[dict], time_unit: str, length_unit: str) -> RecordedScene:
+    """With defaults for all else."""
+    given = {"kind": "recorded", "name": "new", "description": "", "recordings": recordings}
+    return RecordedScene.from_builtins(given | {"time_unit": time_unit, "length_unit": length_unit})
+
+
+def text(scene: RecordedScene, paths: list[Path]) -> str:
+    """The file, with comments."""
+    rows = []
+    for item in scene.recordings:
+        entry = {key: value for key, value in item.to_builtins().items() if value not in ((), [])}
+        pairs = ", ".join(f"{key}: {json.dumps(value)}" for key, value in entry.items())
+        rows.append(f"  - {{{pairs}}}")
+    names = ", ".join(path.name for path in paths)
+    return TEXT.format(
+        description=json.dumps(f"recorded motion of {names}"),
+        times=", ".join(SECONDS),
+        lengths=", ".join(METRES),
+        time_unit=scene.time_unit,
+        length_unit=scene.length_unit,
+        recordings="\n".join(rows),
+    )

@@ -1,0 +1,87 @@
+"""`vibrom record` writes the file of a scene that the configuration takes as it is."""
+
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oscillator import Oscillator
+from scipy.io import savemat
+
+from vibrom.__main__ import main
+from vibrom.config import settings
+
+CONFIG = Path(__file__).parents[2] / "config"
+TIME = np.arange(0.0, 6.0, 1 / 200)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    shutil.copytree(CONFIG, tmp_path / "config")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def record(monkeypatch, *arguments):
+    monkeypatch.setattr(sys, "argv", ["vibrom", "record", *arguments])
+    main()
+
+
+def csv(path, start):
+    x = 1e3 * Oscillator().motion(TIME, start)
+    rows = np.column_stack([1e3 * TIME, x])
+    np.savetxt(path, rows, delimiter=",", header="time [ms],tip [mm]", comments="")
+
+
+def scene(here):
+    found = settings.load(here / "config", [], {"scenes": ["mine"]})
+    return found.scenes["mine"]
+
+
+def test_files_of_one_decay_each(here, monkeypatch, capsys):
+    for name, start in (("a.csv", 1.0), ("b.csv", 0.7), ("c.csv", 0.8)):
+        csv(here / name, start)
+    record(monkeypatch, "a.csv", "b.csv", "c.csv", "--out", "config/scenes/mine.yaml")
+    made, said = scene(here), capsys.readouterr().out
+    assert [item.role for item in made.recordings] == ["train", "train", "test"]
+    assert (made.time_unit, made.length_unit) == ("ms", "mm")
+    assert "3 recordings, first frequency 5.0" in said and "30 periods of" in said
+
+
+def test_one_decay_is_cut_in_the_middle(here, monkeypatch):
+    csv(here / "a.csv", 1.0)
+    record(monkeypatch, "a.csv", "--out", "config/scenes/mine.yaml")
+    first, second = scene(here).recordings
+    assert first.role == "train" and second.role == "test"
+    assert first.end == second.begin == pytest.approx(3000.0, abs=10.0)
+
+
+def test_a_cell_of_instants_and_channels_holds_several(here, monkeypatch):
+    made = np.empty((2, 2), object)
+    for row, start in enumerate((1.0, 0.8)):
+        made[row] = [TIME, None]
+        made[row, 1] = Oscillator().motion(TIME, start)[None]
+    savemat(here / "a.mat", {"xData": made, "dt": 0.005})
+    record(monkeypatch, "a.mat", "--out", "config/scenes/mine.yaml")
+    found = scene(here).recordings
+    assert [item.time for item in found] == ["xData{1,1}", "xData{2,1}"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["none.csv", "--out", "config/scenes/mine.yaml"], "none.csv: no such file"),
+        (["a.csv", "--out", "config/scenes/small.yaml"], "is there already"),
+        (["a.csv", "--out", "config/scenes/my scene.yaml"], "the name of a scene has letters"),
+        (["b.npz", "--out", "config/scenes/mine.yaml"], "no instants among x, y"),
+    ],
+)
+def test_what_cannot_be_a_scene_is_one_line(here, monkeypatch, arguments, says):
+    csv(here / "a.csv", 1.0)
+    np.savez(here / "b.npz", x=np.cos(TIME), y=np.sin(TIME))
+    with pytest.raises(SystemExit) as caught:
+        record(monkeypatch, *arguments)
+    line = str(caught.value)
+    assert line.startswith("vibrom: ") and says in line and "\n" not in line
+    assert not (here / "config/scenes/mine.yaml").exists()
