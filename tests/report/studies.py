@@ -51,9 +51,14 @@ def ablation():
         "outcome": ("left_out", text(["ok", "needed", "ok", "no_convergence"]), "1"),
         "needed_by": ("left_out", text(["", "modal_load inertia", "", ""]), "1"),
         "failed_at": ("left_out", [np.nan, np.nan, np.nan, 0.01], "s"),
+        "advised": ((), "damping", "1"),
+        "advised_error": ((), 1.5, "percent"),
+        "advised_ratio": ((), 2.0, "1"),
+        "sets_tried": ((), 5, "1"),
     }
     coords = {"left_out": left_out, "time": time, "last_time": last, "probe": text(PROBES)}
-    return dataset("ablation", "full_order", None, values, coords)
+    made = dataset("ablation", "full_order", None, values, coords)
+    return made.assign_attrs(tolerance=0.05)
 
 
 # Steps, damping -> error [%]: 4e3 / N^2, and 40 / N more per 0.005 of damping; seconds = N / 1000.

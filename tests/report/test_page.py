@@ -92,8 +92,9 @@ def test_the_answer_is_made_of_the_numbers(page, real):
     best = min(medians, key=medians.get)
     assert [m for m in real.methods if found.cells["large", m, "decay"].best] == [best]
     assert found.cells["large", best, "decay"].text == number(medians[best], 3)
-    assert len(found.sentences) == 2 and all(escape(text) in page for text in found.sentences)
+    assert len(found.sentences) == 3 and all(escape(text) in page for text in found.sentences)
     assert found.hardest in found.sentences[0] and "as fast as the full order" in found.sentences[1]
+    assert found.sentences[2].startswith("Within 5 % small needs")
 
 
 def test_the_page_shows_the_failures_and_what_made_it(page):

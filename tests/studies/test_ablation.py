@@ -131,6 +131,13 @@ def test_a_linear_body_without_its_damping_is_the_undamped_oscillator(oscillator
     )
 
 
+def test_an_oscillator_needs_its_damping_and_its_load(oscillator):
+    """Ten periods without damping are off by more than five percent."""
+    answers, _ = oscillator
+    assert str(answers["advised"].values) == "" and float(answers["advised_error"]) == 0.0
+    assert float(answers["advised_ratio"]) == 1.0
+
+
 def test_forced_amplitudes_are_those_of_the_oscillator(oscillator):
     answers, made = oscillator
     omega, at = float(made["frequency"][0]), int(made["probe_dof"].values[0])

@@ -1,4 +1,4 @@
-"""What the answer is: two sentences made from the numbers of the run, and the table below them.
+"""What the answer is: a few sentences made from the numbers of the run, and the table below them.
 
 The table has a row a method and, of each case, a column a question: the median over seeds, the
 seeds' range, how they ended in words, and the thesis's number. The best median of a column is
@@ -15,9 +15,10 @@ import numpy as np
 
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.report import branches, curves
-from vibrom.report.collection import FULL_ORDER, Collection
+from vibrom.report.collection import FULL_ORDER, Collection, described
 from vibrom.report.columns import GONE, number
 from vibrom.report.scores import NO_SPREAD, Scores, Spread, endings, offline
+from vibrom.studies.parts import advice
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
@@ -110,7 +111,7 @@ def of(collection: Collection, scores: Scores) -> Answer:
             cells[case, method, FOLDS.experiment] = folds(collection, scores, case, method)
     cost = {method: prices(scores, hard, method) for method in methods}
     bare = Answer(cases, hard, questions, methods, cells, cost)
-    return replace(bare, sentences=sentences(bare))
+    return replace(bare, sentences=[*sentences(bare), *needs(collection)])
 
 
 def hardest_of(cases: list[str], methods: list[str], cells: dict) -> str:
@@ -200,6 +201,18 @@ def two_motions(answer: Answer, case: str) -> str:
     know = joined([part for part in parts if part] or ["no model"])
     wrong = f", {joined(none)} not" if none else ""
     return f"in {case} two motions are possible between the folds of the full order: {know}{wrong}"
+
+
+def needs(collection: Collection) -> list[str]:
+    """Which effects each scene needs, as the study of ablation found."""
+    parts = []
+    for scene in collection.scenes:
+        study = collection.find(scene, FULL_ORDER, "ablation")
+        if study is not None and "advised" in study:
+            structure = collection.find(scene, FULL_ORDER, "structure")
+            parts.append(advice.line(study, scene, list(described(structure, "effects"))))
+    text = "; ".join(parts)
+    return [f"{text[0].upper()}{text[1:]}."] if text else []
 
 
 def hardest(answer: Answer) -> str:

@@ -5,7 +5,8 @@ decay from the test release; a forced run from rest; seconds a step. Instants, f
 amplitude of the forcing are those of the whole scene, and all bodies are released from the same
 place in space. Decays are compared by where a body goes, seen from the rest state of the whole
 scene; amplitudes are measured from the rest state of each. An effect that another one needs cannot
-be left out alone; without mass everywhere only the static response is left.
+be left out alone; without mass everywhere only the static response is left. From there the study
+goes on to sets of effects, and advises which ones the scene can do without (`parts.advice`).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from vibrom import effects
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.bodies import space
-from vibrom.config.kinds import Count
+from vibrom.config.kinds import Count, Tolerance
 from vibrom.config.plugs import in_order
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import crossings, nmte_percent
@@ -31,6 +32,7 @@ from vibrom.solvers.full import static
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.solvers.full.newmark import Motion, Record
 from vibrom.studies import Case, Study
+from vibrom.studies.parts.advice import advise, line, variables
 from vibrom.studies.parts.records import Column, stacked, text
 from vibrom.term import SceneError, Term
 
@@ -111,6 +113,7 @@ class Ablation(Study):
     forced_periods: Count  # the response is that of the last one
     timed_periods: Count  # of a decay whose time is taken
     repeats: Count  # runs of each body, of which the median is the time
+    tolerance: Tolerance = 0.05  # of the advice: what left-out effects may change
 
     jobs = {"scene": "ablation"}
     reads = {"scene": ("full_order/release",)}
@@ -129,26 +132,31 @@ class Ablation(Study):
             self.decay_periods * per_period,
             self.forced_periods * per_period,
         )
+        whole_body, first, truth = less(case.scene, runs, (), None)
+        bodies = {WHOLE: whole_body} if truth is not None else {}
         records: dict[str, dict[str, Any]] = {}
-        bodies: dict[str, FullOrder] = {}
-        truth = None  # the whole scene's decay, where it has one
-        for left_out in (WHOLE, *listed):
-            term, needed_by = without(case.scene, left_out)
-            if needed_by:
-                words = " ".join(needed_by)
-                records[left_out] = {"outcome": Outcome.NEEDED, "needed_by": words}
-                continue
-            body = replace(whole, term=term, title=f"{whole.title}: without {left_out}")
-            body, record, decay = evaluated(body, runs)
-            truth = decay if left_out == WHOLE else truth
+        for name in listed:
+            body, records[name], decay = less(case.scene, runs, (name,), truth)
             if decay is not None:
-                bodies[left_out] = body
-                if truth is not None:
-                    record["decay_nmte"] = nmte_percent(truth, decay)
-            records[left_out] = record
-        for left_out, times in timed(bodies, runs, self).items():
-            records[left_out] |= times
-        return self._dataset(case, records, runs)
+                bodies[name] = body
+        advice = advise(
+            records,
+            first,
+            self.tolerance,
+            lambda names: less(case.scene, runs, names, truth)[1],
+        )
+        together = " ".join(advice.left_out) or WHOLE
+        if together not in bodies and truth is not None:
+            term = without(case.scene, advice.left_out)[0]
+            bodies[together] = replace(whole, term=term, rest=linearised(term)[0])
+        times = timed(bodies, runs, self)
+        records = {WHOLE: first, **records}
+        for name in records.keys() & times.keys():
+            records[name] |= times[name]
+        ratio = times.get(together, {}).get("seconds_ratio", np.nan)
+        dataset = self._dataset(case, records, runs).assign(variables(advice, ratio))
+        print(line(dataset, whole.title, list(listed)))
+        return dataset
 
     def _dataset(self, case: Case, records: Mapping[str, Any], runs: Runs) -> xr.Dataset:
         spacing = runs.step * runs.every
@@ -165,15 +173,31 @@ class Ablation(Study):
                     "last_time", last, "s", "time in the last period of the forced run"
                 ),
             },
-            attrs={name: getattr(self, name) for name in LENGTHS},
+            attrs={name: getattr(self, name) for name in (*LENGTHS, "tolerance")},
         )
 
 
-def without(scene: Mapping[str, Any], left_out: str) -> tuple[Term, list[str]]:
-    """The sum of all effects but one, and those that cannot be assembled without it."""
+def less(
+    scene: Mapping[str, Any], runs: Runs, left_out: tuple[str, ...], truth: np.ndarray | None
+) -> tuple[FullOrder, dict[str, Any], np.ndarray | None]:
+    """The body without some effects, its record, and its decay, which is compared with `truth`,
+    that of the whole scene, where that is known.
+    """
+    term, needed_by = without(scene, left_out)
+    if needed_by:
+        return runs.whole, {"outcome": Outcome.NEEDED, "needed_by": " ".join(needed_by)}, None
+    title = f"{runs.whole.title}: without {' '.join(left_out) or WHOLE}"
+    body, record, decay = evaluated(replace(runs.whole, term=term, title=title), runs)
+    if decay is not None and (truth is not None or not left_out):
+        record["decay_nmte"] = nmte_percent(decay if truth is None else truth, decay)
+    return body, record, decay
+
+
+def without(scene: Mapping[str, Any], left_out: tuple[str, ...]) -> tuple[Term, list[str]]:
+    """The sum of all effects but some, and those that cannot be assembled without them."""
     body, total, needed_by = space.build(scene["body"]), Term(), []
     for name in in_order(scene["effects"]):
-        if name != left_out:
+        if name not in left_out:
             try:
                 total = total + effects.load(name, scene["effects"][name]).assemble(body, total)
             except (SceneError, RuntimeError):  # the latter from a stiffness that is singular
