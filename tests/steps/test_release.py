@@ -33,15 +33,23 @@ def reference():
 
 def test_a_sweep_carries_the_motion_on():
     q, v = reference()
-    motion = swept(two_dofs.full_order(), "train", FORCING, SWEEP)
+    motion = swept(two_dofs.full_order(), "train", FORCING, SWEEP, {})
     # Eight periods of a phase error of (omega h)^2/24 each, h = T/400: a thousandth in all.
     for found, true in ((motion.displacement[0], q), (motion.velocity[0], v)):
         assert np.abs(found - true).max() < 2e-3 * np.abs(true).max()
 
 
+def test_two_sweeps_that_begin_alike_are_run_once_as_far_as_that():
+    longer, legs = Sweep(frequencies=(0.9, 1.1, 1.2), periods=4), {}
+    swept(two_dofs.full_order(), "train", FORCING, SWEEP, legs)
+    motion = swept(two_dofs.full_order(), "test", FORCING, longer, legs)
+    alone = swept(two_dofs.full_order(), "test", FORCING, longer, {})
+    assert len(legs) == 3 and np.array_equal(motion.displacement, alone.displacement)
+
+
 def test_it_is_released_where_it_turns_on_the_side_of_the_load():
     q, v = reference()
     speed = np.where(q @ two_dofs.LOAD > 0.0, np.linalg.norm(v, axis=1), np.inf)
-    found = turning_point(two_dofs.full_order(), "train", FORCING, SWEEP)
+    found = turning_point(two_dofs.full_order(), "train", FORCING, SWEEP, {})
     assert found @ two_dofs.LOAD > 0.0
     assert np.abs(found - q[speed.argmin()]).max() < 2e-3 * np.abs(q).max()

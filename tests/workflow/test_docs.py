@@ -158,14 +158,20 @@ def test_the_documentation_is_built_without_a_warning(tmp_path):
     assert not [tag for tag in fetched if "canonical" not in tag]
 
 
-@pytest.mark.parametrize("line", [line for line in shown() if line.startswith("snakemake")])
-def test_every_snakemake_command_that_is_shown_is_one(tmp_path, line):
-    """As it is typed; without running jobs, as most take minutes."""
-    folder = copy(tmp_path, "src")
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """A copy of the repository in which nothing was run."""
+    folder = copy(tmp_path_factory.mktemp("fresh"), "src")
     (folder / "config/mine.yaml").write_text("scenes: [small]\n")
+    return folder
+
+
+@pytest.mark.parametrize("line", [line for line in shown() if line.startswith("snakemake")])
+def test_every_snakemake_command_that_is_shown_is_one(fresh, line):
+    """As it is typed; without running jobs, as most take minutes."""
     words = line.split()[1:]
     quiet = ["--list"] if "--list" in words else [*words, "--dry-run", "--quiet"]
-    answer = command(folder, *quiet, PYTHONPATH=str(folder / "src"))
+    answer = command(fresh, *quiet, PYTHONPATH=str(fresh / "src"))
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
 
 

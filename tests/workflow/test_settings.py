@@ -205,7 +205,7 @@ def test_effects_add_up_in_an_order_of_their_own(project):
 
 def test_the_repository_is_valid_with_every_overlay(root):
     plain = load(root)
-    assert set(plain.scenes) == {"small", "large", "folding"}
+    assert set(plain.scenes) == {"small", "large", "folding", "curling"}
     literal = load(root, root / "config/thesis_literal.yaml")
     assert literal.methods["split"].settings["epochs"] == 15000
     assert literal.scenes["small"].time.every == 1 and "cost" not in literal.studies

@@ -27,6 +27,7 @@ for JOB, MEMBERS, WHERE in JOBS:
             f"<benchmarks>/{{scene}}/{{method}}/{{seed}}/{JOB}.tsv"
         wildcard_constraints:
             scene="|".join(map(re.escape, WHERE)),
+        priority: waited_for(MEMBERS)
         conda:
             "../../envs/vibrom.yaml"
         params:

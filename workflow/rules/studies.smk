@@ -7,6 +7,7 @@ include: "planning/studies.smk"
 
 # The longest first, beside what they wait for.
 JOB_PRIORITY = {("cost", "scene"): 55, ("cost", "models"): 45, ("ablation", "scene"): 40}
+JOB_PRIORITY |= {("robustness", "model"): 30, ("robustness", "scene"): 30, ("trust", "models"): 30}
 
 for STUDY, CONSTANTS in STUDIES.items():
     for KIND, ARTEFACT in CONSTANTS["jobs"].items():

@@ -26,13 +26,13 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
     """`scene` has the blocks `body`, `effects`, `releases` and `time`."""
     known = open_dataset(structure, "structure")
     model = FullOrder.of_scene(scene, known)
-    shapes = []
+    shapes, legs = [], {}
     for role in ROLES:
         recipe = Release.from_builtins(scene["releases"][role])
         shapes.append(
             at_step(model, role, recipe.forcing, recipe.step)
             if recipe.sweep is None
-            else turning_point(model, role, recipe.forcing, recipe.sweep)
+            else turning_point(model, role, recipe.forcing, recipe.sweep, legs)
         )
     dataset = xr.Dataset(
         {
@@ -66,27 +66,36 @@ def at_step(model: FullOrder, role: str, forcing: float, step: int) -> np.ndarra
     return motion.displacement[0][0, 0]
 
 
-def turning_point(model: FullOrder, role: str, forcing: float, sweep: Sweep) -> np.ndarray:
+def turning_point(
+    model: FullOrder, role: str, forcing: float, sweep: Sweep, legs: dict[tuple, Motion]
+) -> np.ndarray:
     """(n,) [m] where the last period of a sweep is slowest, among its states on the load's side.
-    Raises DataError where the run stops before.
+    Raises DataError where the run stops before. `legs`: see `swept`.
     """
-    motion = swept(model, role, forcing, sweep)
+    motion = swept(model, role, forcing, sweep, legs)
     q, v = motion.displacement[0], motion.velocity[0]
     along = q @ model.term.load > 0.0
     speed = np.where(along, np.linalg.norm(v, axis=1), np.inf)
     return q[speed.argmin()]
 
 
-def swept(model: FullOrder, role: str, forcing: float, sweep: Sweep) -> Motion:
-    """The last period of a run from rest through all frequencies of a sweep."""
+def swept(
+    model: FullOrder, role: str, forcing: float, sweep: Sweep, legs: dict[tuple, Motion]
+) -> Motion:
+    """The last period of a run from rest through all frequencies of a sweep. `legs` are the last
+    periods at the frequencies of earlier sweeps, which may begin alike; those of this one join.
+    """
     # A motion that is carried on is in equilibrium with its acceleration.
     carried, state = replace(model, initial_acceleration="equilibrium"), np.zeros(2 * model.size)
     last = (sweep.periods - 1) * model.steps_per_period
     steps, elapsed = sweep.periods * model.steps_per_period, 0.0
-    for frequency in sweep.frequencies:
+    for count, frequency in enumerate(sweep.frequencies, 1):
         drive = Drive(np.array([forcing]), np.array([frequency * model.frequency]))
         step = drive.period / model.steps_per_period
-        motion = carried.run(state[None], step, steps, Record(start=last), drive)
+        leg = (forcing, sweep.periods, *sweep.frequencies[:count])
+        if leg not in legs:
+            legs[leg] = carried.run(state[None], step, steps, Record(start=last), drive)
+        motion = legs[leg]
         if motion.outcomes[0] != Outcome.OK:
             raise stopped(role, forcing, elapsed + motion.failed_at[0])
         state = np.concatenate([motion.displacement[0, -1], motion.velocity[0, -1]])

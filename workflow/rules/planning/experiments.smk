@@ -94,6 +94,21 @@ def truths(experiments):
     }
 
 
+def waited_for(experiments):
+    """The priority of their job: first what a study of all models together waits for."""
+
+    def priority(wildcards):
+        needed = {
+            need
+            for study, constants in STUDIES.items()
+            for need in constants["reads"].get("models", ())
+            if wildcards.scene in STUDY_SCENES[study]
+        }
+        return 0 if needed.isdisjoint(experiments) else 48
+
+    return priority
+
+
 def samples(wildcards):
     """Instants of a period that the full order stores, or a recording keeps at most."""
     if wildcards.scene in RECORDED_SCENES:

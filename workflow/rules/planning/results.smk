@@ -109,23 +109,50 @@ def plugs_shown(kind):
     )
 
 
-def in_report(kind, family):
-    """The outputs of a family: .html of tables and .svg of figures appear in Snakemake's report."""
+def in_report(kind, family, each):
+    """The outputs of a family, those of the "run" or of a "scene", the wildcard: .html of tables
+    and .svg of figures appear in Snakemake's report.
+    """
+    made = MADE[kind].get(family, ())
+    plugs = {name: name if kind == "tables" else made[name].plug for name in made}
+    if each == "run":
+        names = {name: plug for name, plug in plugs.items() if not scene_of(kind, family, name)}
+    else:
+        plugs = [plug for name, plug in plugs.items() if scene_of(kind, family, name)]
+        names = {f"{plug}_{{scene}}": plug for plug in dict.fromkeys(plugs)}
     return [
-        shown(kind, family, path) if Path(path).suffix in (".html", ".svg") else path
-        for path in files(kind, [family])
+        (
+            shown(kind, name, plug, form)
+            if form in ("html", "svg")
+            else f"<results>/{kind}/{name}.{form}"
+        )
+        for name, plug in names.items()
+        for form in outputs.FORMATS[kind]
     ]
 
 
-def shown(kind, family, path):
-    name = Path(path).stem
-    plug = name if kind == "tables" else FIGURES[family][name].plug
+def scene_of(kind, family, name):
+    """The scene that a figure is of; None: the whole run."""
+    return None if kind == "tables" else FIGURES[family][name].scene
+
+
+def shown(kind, name, plug, form):
     return report(
-        path,
+        f"<results>/{kind}/{name}.{form}",
         caption=caption_file(kind, plug),
         category=kind.capitalize(),
         labels={kind[:-1]: name.replace("_", " ")},
     )
+
+
+def made_from(family, each):
+    """The artefacts behind the tables or figures of the run, or of a scene."""
+    paths = FAMILIES[family].artefacts
+    if each == "run":
+        return paths
+    return lambda wildcards: [
+        path for path in paths if path.startswith(f"<results>/{wildcards.scene}/")
+    ]
 
 
 def caption_file(kind, plug):
