@@ -27,11 +27,17 @@ def change(file: Path, key: str, value) -> None:
 
 def copy(folder: Path, *names: str) -> Path:
     """The configuration, the rules and the profile of the repository, free to edit, and what else
-    is named.
+    is named. Code that was compiled for one copy serves them all.
     """
     for name in ("config", "workflow", "profiles", "envs", *names):
-        shutil.copytree(ROOT / name, folder / name)
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "Snakefile", folder)
+    for file in (folder / "src").rglob("*.py"):
+        compiled = file.parent / "__pycache__"
+        if not compiled.exists():
+            there = ROOT / compiled.relative_to(folder)
+            there.mkdir(exist_ok=True)
+            compiled.symlink_to(there)
     return folder
 
 

@@ -33,6 +33,7 @@ experiments: [reconstruction, decay, frc, work]
 studies:
   cost: null
   robustness: null
+  trust: null
   loose_integration: {scenes: [folding], rtol: [1.0e-2, 1.0e-4]}
 """
 COMMAND = re.compile(r"^(snakemake|make|vibrom)\b(.*?)(?:\s+#.*)?$", re.MULTILINE)
