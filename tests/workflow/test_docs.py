@@ -68,8 +68,7 @@ def followed(tmp_path_factory):
     small = str(folder / "tests/workflow/small_dag.yaml")
     answer = command(
         folder,
-        "--cores",
-        "2",
+        *("tables", "report", "scores", "--cores", "2"),
         "--configfile",
         small,
         "config/mine.yaml",

@@ -46,7 +46,6 @@ rule report:
 
 rule tracking:
     input:
-        artefacts=FITTED + PREDICTIONS + of_full_order(SCENES, ["structure", "train", "test"]),
         scores=rules.scores.output.scores,
         tables=files("tables"),
         figures=files("figures"),
@@ -61,6 +60,9 @@ rule tracking:
         "../../envs/vibrom.yaml"
     params:
         step="tracking",
+        artefacts=behind(
+            FITTED + PREDICTIONS + of_full_order(SCENES, ["structure", "train", "test"])
+        ),
         provenance=code("tracking"),
     message:
         "MLflow store"
@@ -70,7 +72,6 @@ rule tracking:
 
 rule crate:
     input:
-        artefacts=all_artefacts(),
         shown=[
             *files("tables", forms=["csv"]),
             *files("figures", forms=["pdf"]),
@@ -85,6 +86,7 @@ rule crate:
         "../../envs/vibrom.yaml"
     params:
         step="crate",
+        artefacts=behind(all_artefacts()),
         provenance=code("crate"),
     message:
         "what was made from what"
@@ -94,7 +96,6 @@ rule crate:
 
 rule headline:
     input:
-        artefacts=FAMILIES["models"].artefacts,
         report=rules.report.output.report,
         # Last of all: what it prints is the end of the run.
         store=rules.tracking.output.store,
@@ -107,6 +108,7 @@ rule headline:
         "../../envs/vibrom.yaml"
     params:
         step="headline",
+        artefacts=behind(FAMILIES["models"].artefacts),
         provenance=code("headline", *modules("tables", ["models"])),
     message:
         "headline numbers"

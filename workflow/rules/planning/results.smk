@@ -100,6 +100,15 @@ def all_artefacts():
     return list(dict.fromkeys(path for name in PRESENT for path in FAMILIES[name].artefacts))
 
 
+def behind(artefacts):
+    """Artefacts that a rule reads and that its inputs are made from, as its parameter: a thousand
+    inputs more would cost every plan a tenth of a second.
+    """
+    return lambda wildcards, output: [
+        path.replace("<results>", str(Path(output[0]).parent)) for path in artefacts
+    ]
+
+
 def plugs_shown(kind):
     """The tables by name, the figures by the file that draws them."""
     if kind == "tables":
