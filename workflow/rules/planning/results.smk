@@ -101,8 +101,8 @@ def all_artefacts():
 
 
 def behind(artefacts):
-    """Artefacts that a rule reads and that its inputs are made from, as its parameter: a thousand
-    inputs more would cost every plan a tenth of a second.
+    """Artefacts that a sink reads and that its inputs are made from, as its parameter. As inputs of
+    their own, a thousand of them would cost every plan a tenth of a second.
     """
     return lambda wildcards, output: [
         path.replace("<results>", str(Path(output[0]).parent)) for path in artefacts
