@@ -199,6 +199,7 @@ def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
         "ablation_figures_of_scene",
         "report",
         "tracking",
+        "crate",
         "headline",
         "all",
     }
