@@ -2,11 +2,6 @@
 # other scenes makes, from files of recorded motion.
 
 
-def recorded_files(wildcards):
-    """The files that a scene names."""
-    return list(dict.fromkeys(recordings.files_of(SCENES[wildcards.scene]).values()))
-
-
 rule recorded:
     input:
         unpack(make_again),

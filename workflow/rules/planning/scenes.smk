@@ -43,3 +43,8 @@ def scene_modules(wildcards):
 def full_order_code(step):
     """The code of a step that builds the full-order model, and of the scene's effects."""
     return lambda wildcards: code(step, *scene_modules(wildcards))
+
+
+def recorded_files(wildcards):
+    """The files that a scene names."""
+    return list(dict.fromkeys(recordings.files_of(SCENES[wildcards.scene]).values()))
