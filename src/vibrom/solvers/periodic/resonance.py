@@ -25,11 +25,11 @@ from threadpoolctl import threadpool_limits
 
 from vibrom.solvers.periodic import continuation
 from vibrom.solvers.periodic.continuation import Pace, Value
-from vibrom.solvers.periodic.equations import in_frequency
+from vibrom.solvers.periodic.equations import from_rest
 from vibrom.solvers.periodic.maps import ReturnMap
 from vibrom.solvers.periodic.response import Orbit, Span, branch
 
-LOWEST = 0.02  # of the largest forcing: where the backbone begins, nearly linear
+LOWEST = 0.01  # of the largest forcing: where the backbone begins, nearly linear
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Resonance:
 
     flow: ReturnMap
     frequency: float  # rad/s, Omega_0
-    size: float  # X_0, of x at the largest forcing if the body were linear
+    size: float  # X_0, of x at the largest forcing if the body were nearly linear
     unit: float  # N m, of s per unit of x
 
     def drive(self, point: np.ndarray) -> tuple[np.ndarray, float]:
@@ -83,13 +83,12 @@ class Backbone:
 def backbone(flow: ReturnMap, highest: float, points: int, turn: float) -> Backbone:
     """From a small forcing up to the `highest`. Raises Lost where it cannot be begun."""
     lowest, pace = LOWEST * highest, Pace(0.5 * highest, turn=turn, newton=flow.free)
-    still = np.zeros(flow.size)
-    linear = continuation.at(in_frequency(flow, lowest), still, flow.frequency, pace)
-    size = float(np.linalg.norm(linear.x))
-    states = flow.states(linear.x, flow.frequency, lowest)
+    x = from_rest(flow, flow.frequency, lowest)
+    size = float(np.linalg.norm(x))
+    states = flow.states(x, flow.frequency, lowest)
     along = np.abs(states[:, : len(flow.load)] @ flow.load).max()
     problem = Resonance(flow, flow.frequency, size / LOWEST, float(along) / size)
-    start = continuation.at(problem, np.append(linear.x, 0.0), lowest, pace)
+    start = continuation.at(problem, np.append(x, 0.0), lowest, pace)
     span = Span(0.5 * lowest, highest, points, 0.0)
     with threadpool_limits(limits=1, user_api="blas"):  # see `response`
         return Backbone(problem, branch(problem, start, span, pace, flow.parts))
