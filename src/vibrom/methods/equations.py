@@ -7,9 +7,10 @@ in normal form gets the action of its orbits for a coordinate, and with `beyond:
 polynomials, which hold beyond the series' radius of convergence. Among denominators of degree 0 to
 3 in |z|^2 the one is taken whose model obeys the equations of motion farthest (`models.trust`).
 That amplitude is the model's reach: a motion that leaves it ends as `left_range`. With `beyond:
-orbits` periodic motions of the undamped body are followed farther, and polynomials fitted to them
-(`latent.manifold_orbits`): this costs a second, and reaches motions at which series of any order
-cease to converge.
+orbits` or `shooting` periodic motions of the undamped body are followed farther, and polynomials
+fitted to them (`latent.manifold_orbits`): they reach motions at which series of any order cease to
+converge. Orbits of few harmonics cost a second. By shooting, which costs some seconds for a body of
+some hundred displacements, motions are exact but for their time steps.
 
 A load pushes z, by its part along the manifold, and adds a displacement beside it, both to first
 order in the load and to any order in z.
@@ -42,6 +43,11 @@ from vibrom.term import Term
 
 DENOMINATORS = (2, 1, 3, 0)  # degrees in |z|^2, the likeliest first
 BESIDE = 11  # highest order of what the load adds beside the manifold, a small correction
+FAR_BESIDE = 5  # likewise, where motions are farther than series of high order converge
+FOLLOWED = ("orbits", "shooting")
+LARGEST = (
+    1500  # displacements of a body that is shot: a derivative over a period takes their square
+)
 TRUST_AT = (0.25, 0.5, 0.75, 1.0, 1.1, 1.25, 1.5)  # of the reach: where the error is recorded
 FARTHEST = 8.0  # times the radius of convergence: where the search for the trusted amplitude begins
 
@@ -55,8 +61,9 @@ class Equations(Method):
     modes: tuple[Count, ...] = (1,)  # counted from one
     order: Order = 15  # the higher, the closer where it is trusted; a lower one may reach farther
     style: Literal["normal_form", "graph"] = "normal_form"
-    # the radius of convergence; orbits: of one mode in normal form, for the symplectic force
-    beyond: Literal["taylor", "pade", "orbits"] = "pade"
+    # the radius of convergence; orbits, shooting: of one mode in normal form, for the symplectic
+    # force
+    beyond: Literal["taylor", "pade", "orbits", "shooting"] = "pade"
     # by the symplectic form, exact for damping by the mass; or by the equations, for any damping
     force: Literal["symplectic", "invariance"] = "symplectic"
     detuning: Fraction = 0.1  # relative, up to which two frequencies of the manifold resonate
@@ -67,16 +74,21 @@ class Equations(Method):
     def check(self) -> None:
         """See Method."""
         plain = self.style == "normal_form" and self.force == "symplectic"
-        if self.beyond == "orbits" and not (plain and len(self.modes) == 1):
+        if self.beyond in FOLLOWED and not (plain and len(self.modes) == 1):
             raise MethodError(
-                "beyond is orbits, which are those of one mode in normal form with the symplectic "
-                "force map; choose these, or beyond: pade"
+                f"beyond is {self.beyond}, which follows motions of one mode in normal form with "
+                "the symplectic force map; choose these, or beyond: pade"
             )
 
     def fit(self, training: Training) -> ManifoldRom:
         """The manifold of the term's equations; Unsupported where a force is no polynomial."""
         if training.term is None:
             raise MethodError("equations needs the scene's equations of motion, and got none")
+        if self.beyond == "shooting" and training.term.size > LARGEST:
+            raise MethodError(
+                f"beyond is shooting, which is for bodies of at most {LARGEST} displacements, and "
+                f"this one has {training.term.size}; choose orbits"
+            )
         try:
             series = self._series(training.term)
         except NoPolynomial as error:
@@ -95,7 +107,8 @@ class Equations(Method):
             covectors = carried(manifold)
         if term.load is None or not term.load.any():
             return ManifoldSeries(manifold, covectors.y)
-        lower = manifold.truncated(min(self.order, BESIDE))
+        known = FAR_BESIDE if self.beyond in FOLLOWED else BESIDE
+        lower = manifold.truncated(min(self.order, known))
         frequency = abs(manifold.masters.eigenvalues[0].imag)
         added = beside(lower, covectors.truncated(len(lower.monomials)), term.load, frequency)
         return ManifoldSeries(manifold, covectors.y, term.load, added)
@@ -104,10 +117,13 @@ class Equations(Method):
         """The model that is trusted farthest, with its reach and what the trust rests on."""
         ratios = self.beyond != "taylor" and self.style == "normal_form" and series.of_circles
         best = self._farthest(map(series.model, DENOMINATORS if ratios else (0,)), residual)
-        if self.beyond == "orbits":
-            farther = followed(series, best, residual.term).model(0, aside=DENOMINATORS[0])
-            farther = self._farthest([replace(farther, radius=best.radius)], residual)
-            best = max(best, farther, key=lambda model: model.reach[0])
+        if self.beyond == "orbits" or self.beyond == "shooting":
+            for each in followed(series, best, residual.term, self.beyond):
+                farther = replace(each.model(0, aside=DENOMINATORS[0]), radius=best.radius)
+                farther = self._farthest([farther], residual)
+                if farther.reach[0] > best.reach[0]:
+                    best = farther
+                    break
         displacement, error = trust_curve(residual, best, TRUST_AT)
         return replace(best, trust_displacement=displacement, trust_error=error)
 

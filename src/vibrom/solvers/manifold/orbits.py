@@ -35,6 +35,11 @@ class Orbits:
     rate: np.ndarray  # g (m,) complex: z' = g z
     values: np.ndarray  # y (m, 2H + 1, k) at equal angles
 
+    def within(self, action: float) -> Orbits:
+        """Those up to this action."""
+        near = self.action <= action
+        return Orbits(self.action[near], self.rate[near], self.values[near])
+
     def joined(self, other: Orbits) -> Orbits:
         """This one, then the other."""
         mine, others = ((one.action, one.rate, one.values) for one in (self, other))

@@ -2,7 +2,8 @@
 
     y = R^-T (f(q) + s^2 M (q - q_0) - f(q_0)) / 10,    R'R = K + s^2 M,    s = 10 Omega_1
 
-f is the internal force, q_0 the rest state and K the stiffness there. Slow modes enter by their
+f is the internal force, q_0 the rest state and K the stiffness there, of follower loads its
+symmetric part. Slow modes enter by their
 displacement, stiff ones by their force: a body that turns far while it stretches little changes
 little in y, whereas a straight line in q stretches it beyond all measure, and a step along it is
 lost. Near rest y = R (q - q_0)/10, and |y|^2 is Omega_1^2 q'Mq for slow motions.
@@ -22,6 +23,7 @@ from vibrom.term import Term
 
 SHIFT = 10.0  # times the first frequency: slower modes count as slow
 ROUNDS, CLOSE = 25, 1e-7  # Newton's iteration squares it once more
+RAMP = 4  # parts of the way from rest
 
 
 class NoState(ArithmeticError):
@@ -50,7 +52,8 @@ class Coordinates:
     @cached_property
     def _root(self) -> np.ndarray:
         """R/10, an upper triangle."""
-        return cholesky(self._at(self.rest).toarray()) / SHIFT
+        stiffness = self._at(self.rest).toarray()
+        return cholesky(0.5 * (stiffness + stiffness.T)) / SHIFT
 
     @cached_property
     def _still(self) -> np.ndarray:
@@ -73,8 +76,22 @@ class Coordinates:
         return solve_triangular(self._root, self._force(q), trans="T") / SHIFT**2
 
     def to(self, y: np.ndarray) -> np.ndarray:
-        """The displacement (n,) [m] of y, by Newton's iteration. Raises NoState."""
-        force, q = SHIFT**2 * (self._root.T @ y), self.near[0] if self.near else self.rest
+        """The displacement (n,) [m] of y, from that of the last search or, if that is too far, from
+        rest. Raises NoState.
+        """
+        for _ in self.near[:1]:
+            try:
+                return self._search(y, self.near[0])
+            except NoState:
+                self.near.clear()
+        q = self.rest
+        for share in np.linspace(0.0, 1.0, RAMP + 1)[1:]:
+            q = self._search(share * y, q)
+        return q
+
+    def _search(self, y: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """The displacement (n,) of y by Newton's iteration from q (n,). Raises NoState."""
+        force = SHIFT**2 * (self._root.T @ y)
         for _ in range(ROUNDS):
             state = np.ascontiguousarray(q[:, None])
             factor = self._tangent.factor(state, np.zeros_like(state))
