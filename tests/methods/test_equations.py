@@ -71,6 +71,29 @@ def test_a_decay_is_that_of_the_full_order(beam, rom):
     assert nmte_percent(truth, rom.displacement(run.reduced[0])) < 0.01
 
 
+def test_two_modes_of_a_beam_move_as_the_body_does():
+    """Both swing, the beam bends by a third of its length: the error falls with the order, and one
+    mode alone misses the second one's part.
+    """
+    term = effects.assemble(space.build(SHORT), UNDAMPED)
+    both = [
+        fitted(term, order=order, modes=(1, 2), beyond="taylor", tolerance=0.1) for order in (3, 5)
+    ]
+    start, errors = np.array([[0.09, 0.012, 0.0, 0.0]]), []
+    period = 2 * np.pi * both[0].reach[0] / both[0].reach[2]
+    times = period / 100 * np.arange(101)
+    for model in both:
+        truth = motion(term, model.decode(start)[0], period / 3000, 3000, 30)
+        run = rollout(model, start, times[None], CLOSE)
+        errors.append(nmte_percent(truth, model.displacement(run.reduced[0])))
+    assert abs(truth).max() > 0.3
+    # Left out are terms of degree four, then of degree six: times the amplitude's square.
+    assert errors[1] < 0.1 and errors[0] > 4.0 * errors[1]
+    one = fitted(term, order=5, beyond="taylor", tolerance=0.1)
+    run = rollout(one, one.encode(both[1].decode(start)), times[None], CLOSE)
+    assert nmte_percent(truth, one.displacement(run.reduced[0])) > 5.0
+
+
 def test_a_forced_motion_has_the_displacement_beside_the_manifold(beam, rom):
     """A tip load bends the beam in other modes too: with them the error is five times less."""
     load = np.zeros(beam.size)

@@ -83,6 +83,21 @@ def test_duffings_folds_in_the_forcing_tend_to_those_of_the_averaged_equation():
     assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.5)
 
 
+def test_duffing_jumps_at_the_published_frequencies():
+    """Of x'' + 2 z x' + x + s x^3 = cos(Omega t), lightly damped, by harmonic balance (Brennan,
+    Kovacic, Carrella, Waters, J. Sound Vib. 318 (2008) 1250): up at Omega^2 = 1 + (3/2)^(4/3)
+    s^(1/3), down at 2 Omega^2 = 1 + (1 + 3 s/(4 z^2))^(1/2).
+    """
+    ratio, cubic = 0.006, 1e-4
+    system = systems.DUFFING | {"damping": 2 * ratio, "cubic": [cubic]}
+    found = folds(curve(systems.reduced(**system, reach=90.0).return_map(), 1.0, 0.9, 1.3))
+    up = np.sqrt(1.0 + 1.5 ** (4 / 3) * cubic ** (1 / 3))
+    down = np.sqrt(0.5 + 0.5 * np.sqrt(1.0 + 0.75 * cubic / ratio**2))
+    # Left out is damping where it jumps up, z^2 s^(-1/3) = 8e-4, and at the peak the third
+    # harmonic, of which (s A^2)^2/200 = 1e-3 comes back.
+    np.testing.assert_allclose(np.sort(found), [up, down], rtol=2e-3)
+
+
 @pytest.fixture(scope="module")
 def two():
     """The curve of two masses, by the full order and by the exact reduced model."""
