@@ -2,6 +2,8 @@
 is needed, a run that blew up, the time that is kept.
 """
 
+import subprocess
+import sys
 from dataclasses import MISSING, fields, replace
 
 import numpy as np
@@ -110,6 +112,21 @@ def test_questions_in_one_job_are_answered_as_one_by_one(tmp_path, paths):
         assert answer.attrs["settings"] == alone.attrs["settings"]
     assert score(together[-1], "decay_s") == float(together[0]["seconds"])
     assert score(together[-1], "frc_s") == float(together[4]["seconds"])
+
+
+def test_a_short_job_imports_no_package_that_takes_longer_than_it():
+    """A hundred jobs ask a fitted model; each of these takes 0.2 to 1.5 s to import."""
+    asked = [name for name in plugs.names("experiments") if plug(name).job == "answers"]
+    used = ["steps.ask", "models.reduced", "solvers.reduced.steppers.dop853"]
+    code = f"""
+import importlib, sys
+for name in {[*used, *(f"experiments.{name}" for name in asked)]}:
+    importlib.import_module(f"vibrom.{{name}}")
+scipy = ("stats", "optimize", "integrate", "interpolate", "signal")
+print({{"torch", "skfem", *(f"scipy.{{name}}" for name in scipy)}} & set(sys.modules))
+"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert len(asked) > 5 and found.stdout == "set()\n"
 
 
 def test_a_reference_that_stopped_is_no_verdict_on_the_model(tmp_path, paths):

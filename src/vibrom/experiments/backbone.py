@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count
@@ -117,5 +117,5 @@ def half_interval(values: np.ndarray, mean_of: int) -> np.ndarray:
     if mean_of == 1:
         return np.full(len(values), np.nan)
     scatter = sliding_window_view(values, mean_of).std(axis=1, ddof=1)
-    quantile = student.ppf(0.5 + 0.5 * CONFIDENCE, mean_of - 1)
+    quantile = stdtrit(mean_of - 1, 0.5 + 0.5 * CONFIDENCE)  # of Student's t
     return quantile * scatter / np.sqrt(mean_of)

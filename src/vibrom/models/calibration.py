@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import least_squares
 
 from vibrom.models.rom import Rom
 from vibrom.models.training import Unsupported
@@ -70,6 +69,8 @@ class Calibration:
         scale = np.repeat([swing, swing * self.frequency], d)
         first, guess = self._guess(rom, load, swing)
         start = np.append((np.linalg.inv(fourier) @ (first / scale)).ravel(), 1.0)
+        from scipy.optimize import least_squares  # slow to import, and most loads are known
+
         found = least_squares(residual, start, xtol=CLOSE, ftol=CLOSE, gtol=CLOSE)
         if np.abs(found.fun).max() > ACCEPTED:
             raise Unsupported(

@@ -13,17 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import types
-from scipy.integrate import DOP853
 
 from vibrom.kernels.compiled import Blocks, Numbers, Vector, machine_type, passing_kernels
 from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
+from vibrom.solvers.reduced import order_8
 from vibrom.solvers.reduced.field import MAP, VectorField
 
 Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
 
-STAGES = DOP853.n_stages
-_A, _B, _C = (np.ascontiguousarray(part[..., :STAGES]) for part in (DOP853.A, DOP853.B, DOP853.C))
-_E3, _E5 = (np.ascontiguousarray(part[:STAGES]) for part in (DOP853.E3, DOP853.E5))
+STAGES = order_8.STAGES
+_A, _B = np.ascontiguousarray(order_8.A[:STAGES, :STAGES]), order_8.A[STAGES, :STAGES].copy()
+_C, _E3, _E5 = (part[:STAGES].copy() for part in (order_8.C, order_8.E3, order_8.E5))
 _LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
 
 

@@ -4,11 +4,8 @@ are SciPy's.
 """
 
 from functools import partial
-from pathlib import Path
-from runpy import run_path
 
-import scipy
-
+from vibrom.solvers.reduced import order_8
 from vibrom.solvers.reduced.explicit import Tableau, plan, solve
 from vibrom.solvers.reduced.integrate import Stepper
 
@@ -16,15 +13,7 @@ FIRST_STEP = 0.05  # of the time scale: a twentieth of what the method takes lat
 SHORTEST_STEP = 0.05  # of the time scale: a run whose mean step is shorter crawls, and is stopped
 
 
-def _tableau() -> Tableau:
-    """From the file of its coefficients alone: the package that it lies in takes a fifth of a
-    second to import, longer than most models take for a decay.
-    """
-    found = run_path(str(Path(scipy.__file__).parent / "integrate/_ivp/dop853_coefficients.py"))
-    return Tableau(*(found[name] for name in ("A", "C", "E5", "E3", "D")), 8)
-
-
-TABLEAU = _tableau()
+TABLEAU = Tableau(order_8.A, order_8.C, order_8.E5, order_8.E3, order_8.D, 8)
 
 
 def stepper(time_scale: float, steps: int) -> Stepper:
