@@ -16,6 +16,7 @@ from vibrom.models.model import Drive, Watch
 from vibrom.models.rollout import Integrator
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.periodic import symmetry
+from vibrom.solvers.periodic.coordinates import NoState
 from vibrom.solvers.periodic.equations import from_rest
 from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
@@ -96,6 +97,20 @@ def test_the_derivative_is_that_of_the_steps(name):
     close(1e-5 * frequency * own, change(0.0, 1e-5 * frequency, 0.0))
     own = np.append(found.by_amplitude, found.in_phase_by[-1])
     close(1e-4 * amplitude * own, change(0.0, 0.0, 1e-4 * amplitude))
+
+
+def test_a_state_is_found_from_its_point_wherever_the_search_begins():
+    """From crushed elements Newton's iteration fails, and begins again at rest."""
+    flow = beam()
+    n, coordinates = flow.term.size, flow._coordinates
+    bent = flow.state(flow(np.zeros(2 * n), 1500.0, 3e6, derivative=False).end)
+    x = flow.of_state(bent)
+    assert np.abs(bent[:n]).max() > 0.04
+    crushed = 0.1 * np.random.default_rng(0).standard_normal(n)
+    with pytest.raises(NoState):
+        coordinates._search(x[:n], crushed)
+    coordinates.near[:] = [crushed]
+    np.testing.assert_allclose(flow.state(x), bent, atol=1e-9 * np.abs(bent).max())
 
 
 def test_half_a_period_twice_is_a_whole_one():
