@@ -100,16 +100,16 @@ def test_the_derivative_is_that_of_the_steps(name):
 
 
 def test_a_state_is_found_from_its_point_wherever_the_search_begins():
-    """From crushed elements Newton's iteration fails, and begins again at rest."""
+    """From torn elements Newton's iteration fails, and begins again at rest."""
     flow = beam()
     n, coordinates = flow.term.size, flow._coordinates
     bent = flow.state(flow(np.zeros(2 * n), 1500.0, 3e6, derivative=False).end)
     x = flow.of_state(bent)
     assert np.abs(bent[:n]).max() > 0.04
-    crushed = 0.1 * np.random.default_rng(0).standard_normal(n)
+    torn = 100.0 * np.random.default_rng(0).standard_normal(n)
     with pytest.raises(NoState):
-        coordinates._search(x[:n], crushed)
-    coordinates.near[:] = [crushed]
+        coordinates._search(x[:n], torn)
+    coordinates.near[:] = [torn]
     np.testing.assert_allclose(flow.state(x), bent, atol=1e-9 * np.abs(bent).max())
 
 
