@@ -146,6 +146,8 @@ EQUATIONS = {
         for (quantity, at), bounds in zip(CURVE.items(), ((0.02, 0.02, 1.0), (0.2, 0.2, 2.0)))
     },
 }
+# Models that know of the two motions of `folding`: largest error of the frequency of a fold [%].
+FOLDED = {"equations_orbits": 0.3, "equations_corrected": 1.0, "decoupled_autoencoder": 1.0}
 
 
 def of_full_order(case: str) -> Iterator[Promise]:
@@ -179,6 +181,13 @@ def of_method(case: str, method: str, frequency: float) -> Iterator[Promise]:
     for quantity, (at, unit, needs, bounds) in EQUATIONS.get(method, {}).items():
         bound = at_most(bounds[list(FORCING).index(case)])
         yield Promise(method, quantity, at, unit, bound, PROMISE, needs)
+    if method in FOLDED and case == "folding":
+        folds = ("branches", "fold_frequency_error_percent")
+        bound = at_most(FOLDED[method])
+        yield Promise(method, "fold frequency", folds, "%", bound, PROMISE, {"branches"})
+        wrong = ("branches", "wrong_stable_motions")
+        quantity = "frequencies with a wrong number of stable motions"
+        yield Promise(method, quantity, wrong, "1", ZERO, PROMISE, {"branches"})
     if method in GUARDED and case == "folding":
         guard = GUARDED[method]
         for words, column, unit, bound in FOLLOWED:
