@@ -18,6 +18,7 @@ from vibrom.experiments import Experiment, Given, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
 from vibrom.models.training import Unsupported
+from vibrom.solvers.periodic.carried import swept
 from vibrom.solvers.periodic.equations import prepare
 
 
@@ -50,17 +51,11 @@ class MeasuredResponse(Experiment):
         probe = int(np.nonzero(model.probes == int(known["response_dof"]))[0][0])
         prepare(flow, frequency[0])
         began, force = time.perf_counter(), float(self.forcing)
-        x, rows = np.zeros(flow.size), []
-        for omega in frequency:
-            x = flow.after(x, omega, force, self.periods)
-            if not np.isfinite(x).all():
-                break
-            (swing,) = flow.swings(x[None], np.array([omega]), np.array([force]))
-            rows.append(swing.displacement[probe])
+        swings = swept(flow, frequency, force, self.periods)[:, probe]
         seconds = time.perf_counter() - began
-        shown = periodic(_padded(rows, len(frequency)))
-        words = [Outcome.OK.value] * len(rows)
-        words += [Outcome.DIVERGED.value] * (len(frequency) - len(rows))
+        lasts = np.isfinite(swings).all(axis=1)
+        words = np.where(lasts, Outcome.OK.value, Outcome.DIVERGED.value).astype(object)
+        shown = periodic(swings)
         point = "response"
         answer = {
             **response((point,), shown),
@@ -68,7 +63,7 @@ class MeasuredResponse(Experiment):
             "measured_amplitude": known["response_amplitude"].variable,
             "forcing": variable((), force, "1", "amplitude, times the scene's load"),
             **outcome_variables(Outcome.OK, seconds=seconds),
-            "outcome": variable(point, np.array(words, object), "1", "how the motion ended"),
+            "outcome": variable(point, words, "1", "how the motion ended"),
         }
         return xr.Dataset(answer)
 
@@ -82,11 +77,3 @@ class MeasuredResponse(Experiment):
             "amplitude_error_largest_percent": error.largest_percent,
             "peak_error_percent": error.peak_percent,
         }
-
-
-def _padded(rows: list[np.ndarray], count: int) -> np.ndarray:
-    """(count, samples), NaN after a failure."""
-    found = np.full((count, len(rows[0]) if rows else 1), np.nan)
-    for place, row in enumerate(rows):
-        found[place] = row
-    return found
