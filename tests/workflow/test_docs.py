@@ -11,6 +11,7 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from project_copy import ROOT, command, copy
 
 PAGES = {
@@ -22,14 +23,14 @@ PAGES = {
     ]
 }
 TEXT = "\n".join(PAGES.values())
-WALKS = ("method", "effect", "experiment", "study")
+WALKS = ("method", "effect", "experiment", "study", "measurement")
 # `some/file.py`:  and then the file in a fenced block
 FILE = re.compile(r"`([\w./]+\.(?:py|yaml))`:\n\n```\w+\n(.*?)```", re.DOTALL)
 # All that the walks add, at once.
 OVERLAY = """
-scenes: [folding, sprung]
+scenes: [folding, sprung, ruler]
 methods: [ssmlearn, ssmlearn_7, one_mode]
-experiments: [reconstruction, decay, frc, work]
+experiments: [reconstruction, decay, frc, work, measured_response]
 studies:
   cost: null
   robustness: null
@@ -64,7 +65,9 @@ def followed(tmp_path_factory):
     for name, text in FILE.findall(TEXT):
         assert not (folder / name).exists(), f"{name} is there already"
         (folder / name).write_text(text)
-    (folder / "config/mine.yaml").write_text(OVERLAY)
+    measure(folder)
+    ruler = yaml.safe_load((folder / "config/ruler.yaml").read_text())["scene_settings"]
+    (folder / "config/mine.yaml").write_text(OVERLAY + yaml.safe_dump({"scene_settings": ruler}))
     small = str(folder / "tests/workflow/small_dag.yaml")
     answer = command(
         folder,
@@ -76,6 +79,20 @@ def followed(tmp_path_factory):
     )
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
     return folder
+
+
+def measure(folder):
+    """The scene of measured motion: its files, and what `vibrom record` makes of them."""
+    for name, text in FILE.findall(PAGES["measurement"]):
+        (folder / name).write_text(text)
+    for line in BLOCK.findall(PAGES["measurement"])[0].splitlines():
+        program, *words = line.split()
+        start = [sys.executable, *([] if program == "python" else ["-m", program])]
+        environment = os.environ | {"PYTHONPATH": str(folder / "src")}
+        answer = subprocess.run(
+            [*start, *words], cwd=folder, capture_output=True, text=True, env=environment
+        )
+        assert answer.returncode == 0, answer.stderr[-3000:]
 
 
 def table(folder, name):
@@ -122,6 +139,36 @@ def test_the_new_study_has_its_table_and_its_figure(followed):
     assert 'id="loose_integration"' in page and 'data-plot="loose_integration"' in page
 
 
+def test_the_measured_scene_is_predicted_and_what_needs_a_body_is_skipped(followed):
+    """The script's noise of 1 % is in the decay that it is compared with, filtered."""
+    decay = table(followed, "decay").set_index(["case", "method"])
+    assert decay.loc[("ruler", "ssmlearn"), "outcome"] == "ok"
+    assert float(decay.loc[("ruler", "ssmlearn"), "nmte_percent"]) < 1.0
+    assert decay.loc[("ruler", "one_mode"), "outcome"] == "skipped"
+    curve = table(followed, "measured_response").set_index(["case", "method"])
+    error = curve.loc[("ruler", "ssmlearn"), "amplitude_error_median_percent"]
+    assert float(error) < 3.0  # the averaged equation of the script is as good as that
+    assert "folding" not in curve.index
+    for name in ("slow_motion", "measured_response"):
+        assert (followed / f"results/figures/{name}_ruler.svg").stat().st_size > 1000
+        assert not (followed / f"results/figures/{name}_folding.svg").exists()
+
+
+def test_the_script_about_measured_motion_runs_without_snakemake(followed):
+    script = re.search(r"## In Python.*?```python\n(.*?)```", PAGES["measurement"], re.DOTALL)[1]
+    answer = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=followed,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(followed / "src")},
+    )
+    assert answer.returncode == 0, answer.stderr[-3000:]
+    errors = [float(value) for value in re.findall(r": ([\d.]+) %", answer.stdout)]
+    assert len(errors) == 2 and max(errors) < 3.0
+    assert (followed / "ruler.nc").stat().st_size > 1000
+
+
 def test_the_script_about_a_fitted_model_runs_and_predicts_as_the_scores_say(followed):
     """Its lines, one after the other; its folding beam is the small one here."""
     script = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["python"], re.DOTALL))
@@ -163,6 +210,7 @@ def fresh(tmp_path_factory):
     """A copy of the repository in which nothing was run."""
     folder = copy(tmp_path_factory.mktemp("fresh"), "src")
     (folder / "config/mine.yaml").write_text("scenes: [small]\n")
+    measure(folder)
     return folder
 
 
@@ -184,7 +232,10 @@ def test_every_target_of_make_that_is_shown_is_one(tmp_path, line):
     assert answer.returncode == 0, answer.stderr
 
 
-@pytest.mark.parametrize("line", [line for line in shown() if line.startswith("vibrom")])
+@pytest.mark.parametrize(
+    "line",  # `vibrom record` is run where its files are
+    [line for line in shown() if line.startswith("vibrom") and "record" not in line],
+)
 def test_every_vibrom_command_that_is_shown_ends_well(tmp_path, line):
     folder = copy(tmp_path, "src")
     (folder / "config/mine.yaml").write_text("scenes: [small]\n")
