@@ -5,12 +5,8 @@ costs in time.
 """
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 
-try:
-    __version__ = version("vibrom")
-except PackageNotFoundError:  # a folder of source that nobody installed
-    __version__ = "not installed"
+__version__ = "0.2.0.dev0"
 
 PUBLIC = ("load", "of_arrays", "fit", "open_model", "Recorded", "FittedModel")
 
