@@ -2,7 +2,8 @@
 
 Amplitude of the probe against the instantaneous angular frequency during the test decay, by peak
 finding and fitting. One seed of each method is drawn: the median one by decay NMTE. The frequency
-axis is chosen by the full order; models that lie outside it are named in the panel.
+axis is chosen by the full order; models that lie outside it are named in the panel. Of a recorded
+decay the grey band holds each mean frequency with a confidence of 95 %.
 """
 
 import numpy as np
@@ -34,6 +35,9 @@ def draw(collection, scores, scene=None) -> Figure:
         if curve(truth)[0].size:
             line = panel.plot(*curve(truth), **TRUTH)[0]
             handles[label(FULL_ORDER)] = line
+            known = collection.find(name, FULL_ORDER, "structure")
+            if known is not None and "node" not in known:
+                panel.fill_betweenx(*interval(truth), color="0.85", linewidth=0)
         low, high = limits(panel, *curve(truth))
         for index, (method, look) in enumerate(looks.items()):
             _, backbone = panels.drawn(collection, scores, name, method, "backbone")
@@ -57,6 +61,16 @@ def curve(backbone) -> tuple[np.ndarray, np.ndarray]:
     frequency, amplitude = (at_probe(backbone, name) for name in ("angular_frequency", "amplitude"))
     kept = np.isfinite(frequency) & np.isfinite(amplitude)
     return frequency[kept], amplitude[kept]
+
+
+def interval(backbone) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Amplitude [m], and where the frequency [rad/s] is with a confidence of 95 %, from and to."""
+    frequency, amplitude, sure = (
+        at_probe(backbone, name)
+        for name in ("angular_frequency", "amplitude", "angular_frequency_uncertainty")
+    )
+    order = np.argsort(amplitude)
+    return amplitude[order], (frequency - sure)[order], (frequency + sure)[order]
 
 
 def limits(panel, frequency: np.ndarray, amplitude: np.ndarray) -> tuple[float, float]:

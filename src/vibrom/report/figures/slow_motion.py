@@ -43,7 +43,7 @@ def draw(collection, scores, scene) -> Figure:
             below.plot(instant, one["fast_share"].values[known], color=colour, linewidth=0.9)
             below.axhline(float(one["fast_limit"]), color=colour, linewidth=0.7, linestyle="--")
             below.axvline(float(one["slow_begin"]), color=colour, linewidth=0.7)
-        panels.words(below, "\n".join(notes(record)), place="above")
+        panels.words(below, "\n".join(notes(record)), place="corner")
     return figure
 
 
