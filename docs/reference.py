@@ -26,8 +26,10 @@ CONFIGURATION = {
     "integrator": ("vibrom.models.rollout", "Integrator"),
     "config/methods/<name>.yaml": ("vibrom.config.method_file", "MethodFile"),
     "config/scenes/<name>.yaml": ("vibrom.config.scene", "Scene"),
+    "config/scenes/<name>.yaml, recorded": ("vibrom.config.recorded", "RecordedScene"),
 }
 PYTHON = (
+    "vibrom.api",
     "vibrom.models.model",
     "vibrom.models.rom",
     "vibrom.models.method",
@@ -153,8 +155,17 @@ def nested(name, kind):
             return nested(name, kind.type)
         case inspect.DictType():
             return nested(f"{name}.<name>", kind.value_type)
+        case inspect.VarTupleType():
+            return nested(f"{name}[]", kind.item_type)
+        case inspect.UnionType():
+            return [part for item in kind.types for part in nested(name, item)]
         case inspect.StructType():
-            return [f"### {name}", settings(kind.cls)]
+            below = [
+                part
+                for item in structs.fields(kind.cls)
+                for part in nested(f"{name}.{item.name}", inspect.type_info(item.type))
+            ]
+            return [f"### {name}", settings(kind.cls), *below]
     return []
 
 
