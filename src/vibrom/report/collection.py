@@ -76,6 +76,11 @@ class Collection:
         key = Key(scene, model, seed, name)
         return self._open(key) if key in self.loaders else None
 
+    def has(self, address: str) -> bool:
+        """Is there an artefact at <scene>/full_order/<name>.nc?"""
+        scene, model, name = address.removesuffix(".nc").split("/")
+        return Key(scene, model, None, name) in self.loaders
+
     def mesh(self, scene: str) -> xr.Dataset | None:
         """The structure of a scene with a body that can be drawn; None of a recorded one."""
         known = self.find(scene, FULL_ORDER, "structure")

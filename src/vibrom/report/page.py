@@ -161,7 +161,11 @@ class Figures:
     def links(self, plug: str, scenes: Sequence[str | None]) -> list[tuple[str, str]]:
         """Words and addresses of a figure's data and of its drawings for print."""
         names = [plug if scene is None else f"{plug}_{scene}" for scene in scenes]
-        data = outputs.data(plug, self.collection.scenes)
+        data = [
+            address
+            for address in outputs.data(plug, self.collection.scenes)
+            if address.startswith("tables/") or self.collection.has(address)
+        ]
         return [
             *((f"data: {address}", address) for address in data),
             *((f"for print: {name}.pdf", f"figures/{name}.pdf") for name in names),
