@@ -94,11 +94,11 @@ def test_a_model_has_the_known_frequency_and_damping_over_amplitude(
 
 
 def test_the_slow_motion_begins_where_the_fast_one_has_died_out():
-    """A mode at 3.4 times the frequency, as large and damped 10 times as strongly: its share of the
-    acceleration falls to 1e-4 when 3.4^4 exp(2 (0.3 - 3) t) is 1e-4, at 2.6 s; a window of eight
+    """A mode at 3.5 times the frequency, as large and damped 10 times as strongly: its share of the
+    acceleration falls to 1e-4 when 3.5^4 exp(2 (0.3 - 3) t) is 1e-4, at 2.6 s; a window of eight
     periods, 1.6 s, is filled mostly by its beginning.
     """
-    fast = np.exp(-3.0 * TIME) * np.cos(3.4 * IT.omega * TIME)
+    fast = np.exp(-3.0 * TIME) * np.cos(3.5 * IT.omega * TIME)
     settings = Preparation(harmonics=4)
     mixed, pure = (
         preparation.prepare([recording(x)], settings).prepared[0]

@@ -2,7 +2,8 @@
 
     share(t) = (power of the acceleration away from multiples of f_1) / (all of its power)
 
-over a window of eight periods from t on (Hann); away means farther than f_1/4 from every multiple.
+over a window of eight periods from t on (Blackman); away means farther than 3 f_1/8 from every
+multiple, which is as far as such a window spreads a line: of a decay it leaves some 1e-6.
 f_1 is the highest line of that window near the first frequency, which moves with the amplitude. The
 acceleration is what dynamics are fitted to, and shows fast motion most. The slow motion begins
 where the share first is no more than a limit, or no more than twice the least that it ever is:
@@ -14,10 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal.windows import hann
+from scipy.signal.windows import blackman
 
-WINDOW = 8  # periods: neighbouring lines of a Hann window are f_1/4 wide
-AWAY = 0.25  # of the first frequency
+WINDOW = 8  # periods: a line of a Blackman window is three of their eighths wide on each side
+AWAY = 0.375  # of the first frequency
 TWICE = 2.0
 
 
@@ -35,7 +36,7 @@ def begins(acceleration: np.ndarray, step: float, frequency: float, limit: float
     """Of acceleration (m, c), sampled at `step` [s], with this first frequency [Hz]."""
     period = max(1, round(1.0 / (frequency * step)))
     length = min(WINDOW * period, len(acceleration))
-    whole, window = range(0, len(acceleration) - length + 1, period), hann(length, sym=False)
+    whole, window = range(0, len(acceleration) - length + 1, period), blackman(length, sym=False)
     parts = np.stack([acceleration[first : first + length] for first in whole])
     spectra = (np.abs(np.fft.rfft(parts * window[:, None], axis=1)) ** 2).sum(axis=-1)
     lines = np.fft.rfftfreq(length, step) / frequency

@@ -2,7 +2,7 @@
 
 Above, the first channel of each recording as it is used: filtered, measured from rest, and from
 where the slow motion begins. Below, on which that is founded: the share of the acceleration's power
-that is farther than a quarter of the first frequency from all of its multiples, in windows of eight
+that is farther than 3/8 of the first frequency from all of its multiples, in windows of eight
 periods from the instant drawn on (time in the recording after what the filter leaves out). The
 dashed line is the limit, and the vertical one where the share first is within it. A start that is
 set (`preparation.start`) takes the place of the rule's.
