@@ -123,7 +123,10 @@ def test_a_body_under_a_dead_load_is_drawn_about_its_equilibrium(collection):
     size = structure.sizes["dof"]
     sagged, moved = np.linspace(0.0, -0.1, size), np.linspace(0.0, 0.02, size)
     under_load = structure.assign(equilibrium=("dof", sagged))
-    for draw in (body.quadrilaterals, lambda *given: np.concatenate(body.outlines(*given))):
+    for draw in (
+        lambda *given: body.polygons(*given)[0],
+        lambda *given: np.concatenate(body.outlines(*given)),
+    ):
         np.testing.assert_allclose(
             draw(under_load, moved), draw(structure, sagged + moved), atol=1e-15
         )

@@ -101,7 +101,8 @@ def check_shapes(mesh: skfem.Mesh, path: str) -> None:
     """Raises SceneError where elements are flat or turned inside out, or the body is in parts."""
     mapping, corners = mesh.mapping(), mesh.elem.refdom.p
     inside = corners.mean(axis=1)[:, None]
-    jacobian = mapping.detDF(np.concatenate([inside, inside + 0.999 * (corners - inside)], axis=1))
+    places = np.concatenate([inside, inside + 0.999 * (corners - inside)], axis=1)
+    jacobian = np.linalg.det(np.moveaxis(mapping.DF(places), (0, 1), (-2, -1)))
     edges = mesh.p[:, mesh.t[:, None]] - mesh.p[:, mesh.t[None, :]]
     longest = np.linalg.norm(edges, axis=0).max(axis=(0, 1))
     flat = np.abs(jacobian).min(axis=1) <= FLAT * longest ** mesh.dim()

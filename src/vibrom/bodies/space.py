@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from vibrom.config.errors import closest
 from vibrom.config.instance import instance, plug
 from vibrom.config.kinds import Direction, PlaneDirection, PlanePoint, Point
-from vibrom.config.scene import SHAPE
+from vibrom.config.scene import shape_of
 from vibrom.term import SceneError
 
 AXES = ("x", "y", "z")
@@ -238,7 +238,6 @@ def numbered(scalar: skfem.Basis, basis: skfem.Basis, free: np.ndarray) -> np.nd
 
 def build(body: Mapping[str, Any]) -> Space:
     """The space of a scene's `body` block."""
-    shape = body.get("shape", SHAPE)
-    kind = plug(importlib.import_module(f"vibrom.bodies.{shape}"), "build", SceneError)
+    kind = plug(importlib.import_module(f"vibrom.bodies.{shape_of(body)}"), "build", SceneError)
     settings = {key: value for key, value in body.items() if key != "shape"}
     return instance(kind, settings, "body", SceneError).build()

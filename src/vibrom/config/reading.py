@@ -10,7 +10,7 @@ from vibrom.config.errors import SettingsError
 from vibrom.config.layers import Layers, Sources
 from vibrom.config.method_file import MethodFile
 from vibrom.config.recorded import RecordedScene
-from vibrom.config.scene import SHAPE, Block, Scene
+from vibrom.config.scene import Block, Scene, shape_of
 from vibrom.config.sweeps import check_sweeps
 
 MOST_STEPS = 10_000_000  # of one run of the full order
@@ -54,9 +54,11 @@ def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Sc
         return _recorded(layers, own, name)
     kind = plugs.declared("vibrom.config.scene", "Scene")
     plain = checked({**given, "name": name}, kind, (), layers.refuse)
-    shape = given["body"].get("shape", SHAPE)
+    shape = shape_of(given["body"])
     layers.check_known(("body", "shape"), shape, plugs.names("bodies"), "body")
     body = block(layers, ("body",), plugs.settings_of("bodies", shape), without="shape")
+    if "mesh" in body:
+        body |= _mesh_file(layers, file.parent, body["mesh"])
     plain["body"] = {"shape": shape, **body}
     for key in ("clamped", "probes"):
         if key in body and not body[key]:
@@ -86,6 +88,17 @@ def _recorded(layers: Layers, own: dict[str, Any], name: str) -> RecordedScene:
     # What reads the answer to another one goes without where that is not asked.
     plain["experiments"] = {key: made[key] for key in made if needed([key], ()) <= set(made)}
     return RecordedScene.from_builtins(plain)
+
+
+def _mesh_file(layers: Layers, folder: Path, mesh: str) -> dict[str, str]:
+    """Where a mesh lies, and the digest of what it holds: another mesh is another scene."""
+    path = folder / mesh
+    try:
+        found = files.digest(path)
+    except OSError as error:
+        cure = f"cannot be read ({error.strerror}); put the file beside the scene's, in {folder}"
+        layers.refuse(("body", "mesh"), mesh, cure)
+    return {"mesh": str(path), "digest": found}
 
 
 def _effects(layers: Layers) -> dict[str, dict[str, Any]]:

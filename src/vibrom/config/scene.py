@@ -21,6 +21,13 @@ SHAPE = "rectangle"  # of a body that does not say
 USUAL_STAGE = "forces"  # of an effect that does not say
 
 
+def shape_of(body: Any) -> Any:
+    """The file of src/vibrom/bodies of a scene's `body` block: what it says, `mesh` of one that
+    names a mesh, else a rectangle.
+    """
+    return body.get("shape", "mesh" if "mesh" in body else SHAPE)
+
+
 class Block(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings that stand together under one key."""
 

@@ -62,7 +62,7 @@ def of_scene(collection: Collection, scores: Scores, scene: str) -> dict[str, An
         "step": float(time[stride] - time[0]),
         "frames": len(motions[FULL_ORDER]),
         "loops": [len(loop) for loop in loops],
-        "rest": rounded(body.rest(structure)[nodes]),
+        "rest": rounded(body.rest(structure)[nodes] @ body.view(structure).T),
         "shapes": packed(shapes * scale[:, None], "<f4"),
         "rank": len(shapes),
         "tip": int(np.argmax(np.ptp(motions[FULL_ORDER], axis=0).reshape(-1, 2).max(axis=1))),
@@ -74,16 +74,20 @@ def of_scene(collection: Collection, scores: Scores, scene: str) -> dict[str, An
 
 
 class Picker:
-    """(frame, dof) displacements to (frame, 2 * nodes) of these nodes, x and y by turns."""
+    """(frame, dof) displacements to (frame, 2 * nodes) of these nodes on the page, across and up by
+    turns.
+    """
 
     def __init__(self, structure: xr.Dataset, nodes: np.ndarray):
         size = structure.sizes["dof"]
-        place = body.displacement(structure, np.arange(1.0, size + 1))[nodes].ravel()
-        self.dofs = place.astype(int) - 1  # -1: clamped
+        place = body.displacement(structure, np.arange(1.0, size + 1))[nodes]
+        self.dofs = place.astype(int) - 1  # (nodes, axes), -1: clamped
+        self.view = body.view(structure)
 
     def __call__(self, free: np.ndarray) -> np.ndarray:
         """Those displacements [m]."""
-        return np.where(self.dofs >= 0, free[:, self.dofs], 0.0)
+        moved = np.where(self.dofs >= 0, free[:, self.dofs], 0.0)
+        return (moved @ self.view.T).reshape(len(free), -1)
 
 
 def frame_stride(time: np.ndarray, period: float) -> int:

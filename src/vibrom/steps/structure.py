@@ -33,7 +33,7 @@ def run(*, structure: str, scene: dict[str, Any], name: str, provenance: dict[st
     variables = geometry(body) | of_modes(term, *found)
     load = np.zeros(body.size) if term.load is None else term.load
     variables["load"] = variable("dof", load, "N", "load per unit of the signal")
-    if scene["body"]["element"] == "bilinear":
+    if scene["body"].get("element") == "bilinear":
         # Bilinear elements lock in shear when they bend; the report shows by how much.
         finer = space.build({**scene["body"], "element": "quadratic", "probes": {}})
         variables["frequency_quadratic"] = variable(
@@ -66,17 +66,23 @@ def run(*, structure: str, scene: dict[str, Any], name: str, provenance: dict[st
 
 def geometry(body: Space) -> Variables:
     """The mesh, and where the free displacements and the probes are."""
-    mesh = body.basis.mesh
-    return {
-        "node": variable(("vertex", "axis"), mesh.p.T, "m", "coordinates of the mesh vertices"),
+    mesh, surface = body.basis.mesh, {}
+    corners = mesh.p[:, : mesh.nvertices].T
+    if body.dimension == 3:
+        faces = mesh.facets[:, mesh.boundary_facets()].T
+        surface["face_node"] = variable(
+            ("face", "around"), faces, "1", "vertices of each face of the surface, around it"
+        )
+    return surface | {
+        "node": variable(("vertex", "axis"), corners, "m", "coordinates of the mesh vertices"),
         "element_node": variable(
-            ("element", "corner"), mesh.t.T[:, :4], "1", "vertices of each element, around it"
+            ("element", "corner"), mesh.t.T, "1", "vertices of each element, in the plane around it"
         ),
         "dof_node": variable(
             "dof", body.dof_vertex, "1", "vertex of each free displacement, -1 where it has none"
         ),
         "dof_axis": variable(
-            "dof", body.dof_axis, "1", "direction of each free displacement: 0 along x, 1 along y"
+            "dof", body.dof_axis, "1", "direction of each free displacement: 0, 1, 2 along x, y, z"
         ),
         "dof_location": variable(
             ("dof", "axis"), body.dof_location, "m", "where each free displacement sits"

@@ -22,8 +22,8 @@ def draw(collection, scores, scene=None) -> Figure:
     """All states over one another."""
     figure = Figure(figsize=(6.2, 4.1))
     axes = figure.subplots()
-    axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
     found = states(collection)
+    axes.set(**body.labels(found[0].structure if found else None), aspect="equal")
     if not found:
         panels.words(axes, "no release states in this run")
         return figure
@@ -32,10 +32,10 @@ def draw(collection, scores, scene=None) -> Figure:
     for loop in body.outlines(rest, np.zeros(rest.sizes["dof"])):
         axes.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)), zorder=1)
     for state in found:
-        corners = list(body.quadrilaterals(state.structure, state.displacement))
+        corners, order = body.polygons(state.structure, state.displacement)
         cells = PolyCollection(
-            corners,
-            array=body.magnitude(state.structure, state.displacement),
+            list(corners),
+            array=body.magnitude(state.structure, state.displacement)[order],
             clim=(0, largest),
             cmap="viridis",
             linewidth=0.15,
@@ -44,7 +44,7 @@ def draw(collection, scores, scene=None) -> Figure:
         axes.add_collection(cells)
         moved = body.displacement(state.structure, state.displacement)
         free_end = np.argmax(np.linalg.norm(moved, axis=1))
-        place = body.rest(state.structure)[free_end] + moved[free_end]
+        place = body.view(state.structure) @ (body.rest(state.structure) + moved)[free_end]
         axes.annotate(
             f"{state.at('probe'):.4g} m",
             place,

@@ -36,7 +36,7 @@ def draw(collection, scores, scene) -> Figure:
     known = collection.mesh(scene)
     train, test = (collection.find(scene, FULL_ORDER, name) for name in ("train", "test"))
     coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
-    shapes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+    shapes.set(**body.labels(known), aspect="equal")
     errors.set(
         xlabel="order of the polynomials [1]", ylabel="reconstruction NMTE [%]", yscale="log"
     )

@@ -39,8 +39,7 @@ def draw(collection, scores, scene=None) -> Figure:
         part.suptitle(block.heading, fontsize=8, x=0.01, ha="left", style="italic")
         for panel, method, (seed, run) in zip(axes, methods, block.runs):
             panel.set(
-                xlabel="x [m]",
-                ylabel="y [m]",
+                **body.labels(block.structure),
                 aspect="equal",
                 xlim=block.limits[0],
                 ylim=block.limits[1],
@@ -133,7 +132,7 @@ class Block:
         for loop in body.outlines(self.structure, np.zeros(self.structure.sizes["dof"])):
             panel.plot(*loop.T, color="0.5", linewidth=0.6, linestyle=(0, (4, 2)))
         if self.truth is not None:
-            cells = body.quadrilaterals(self.structure, self.truth, self.factor)
+            cells, _ = body.polygons(self.structure, self.truth, self.factor)
             panel.add_collection(
                 PolyCollection(list(cells), facecolor="0.72", edgecolor="0.72", linewidth=0.3)
             )

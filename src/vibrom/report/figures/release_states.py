@@ -26,14 +26,14 @@ def draw(collection, scores, scene=None) -> Figure:
         max(1, len(found)), columns=3, size=(3.0, 2.5), sharex=True, sharey=True
     )
     for panel in axes:
-        panel.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+        panel.set(**body.labels(found[0].structure if found else None), aspect="equal")
         panel.tick_params(labelbottom=True, labelleft=True)
     if not found:
         panels.words(axes[0], "no release states in this run")
     for panel, state in zip(axes, found):
         for loop in body.outlines(state.structure, np.zeros(state.structure.sizes["dof"])):
             panel.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)))
-        cells = list(body.quadrilaterals(state.structure, state.displacement))
+        cells = list(body.polygons(state.structure, state.displacement)[0])
         panel.add_collection(
             PolyCollection(cells, facecolor="0.55", edgecolor="black", linewidth=0.15)
         )
