@@ -220,16 +220,21 @@ def movable(
 
 
 def numbered(scalar: skfem.Basis, basis: skfem.Basis, free: np.ndarray) -> np.ndarray:
-    """Scikit-fem's free dofs in the order of reverse Cuthill and McKee: node by node, so that
-    matrices are bands, and fill little.
+    """Scikit-fem's free dofs node by node, so that matrices are narrow bands: along the body from
+    one slice to the next, or in the order of reverse Cuthill and McKee where that is narrower.
     """
-    dim, nodes = basis.mesh.dim(), scalar.element_dofs
+    dim, nodes, at = basis.mesh.dim(), scalar.element_dofs, scalar.doflocs
+    extent = np.ptp(at, axis=1)
+    slices = np.lexsort(np.round(at[np.argsort(extent)] / extent.max(), 9))
     pairs = np.broadcast_arrays(nodes[:, None], nodes[None])
     row, column = (part.ravel() for part in pairs)
     graph = csr_matrix((np.ones(len(row), np.int8), (row, column)), shape=(scalar.N, scalar.N))
-    graph.data[:] = 1
-    place = np.empty(scalar.N, np.int64)
-    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(scalar.N)
+    places = []
+    for order in (slices, reverse_cuthill_mckee(graph, symmetric_mode=True)):
+        place = np.empty(scalar.N, np.int64)
+        place[order] = np.arange(scalar.N)
+        places.append(place)
+    place = min(places, key=lambda place: np.ptp(place[nodes], axis=0).max())
     of_node = np.empty((basis.N,), np.int64)
     for i in range(dim):
         of_node[basis.element_dofs[i::dim]] = dim * place[nodes] + i

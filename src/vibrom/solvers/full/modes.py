@@ -19,10 +19,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky_banded, eig, eigh
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import ArpackError, eigs, eigsh
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, eigsh
 
 from vibrom.kernels import banded
 from vibrom.solvers.full import static
+from vibrom.solvers.full.factors import factor, is_wide
 from vibrom.term import SceneError, Term
 
 LOOKED_AT = 10  # modes among which flutter is looked for
@@ -164,8 +165,17 @@ def _symmetric(
     if n <= FEW:
         squares, vectors = eigh(stiffness.toarray(), mass.toarray())
     else:
+        inverse = None
+        if is_wide(stiffness):
+            solve = factor(stiffness.tocsc(), symmetric=True).solve
+            inverse = LinearOperator((n, n), matvec=solve, dtype=float)
         squares, vectors = eigsh(
-            stiffness.tocsc(), k=min(count, n - 1), M=mass.tocsc(), sigma=0.0, v0=_start(n)
+            stiffness.tocsc(),
+            k=min(count, n - 1),
+            M=mass.tocsc(),
+            sigma=0.0,
+            v0=_start(n),
+            OPinv=inverse,
         )
     # Iteration about zero may miss a negative square that is far away; a factor does not.
     unstable = "" if _positive(stiffness) and squares.min() > 0.0 else "buckles"

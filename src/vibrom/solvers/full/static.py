@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
+from vibrom.solvers.full.factors import factor
 from vibrom.solvers.full.shapes import shaped
 from vibrom.solvers.full.tangent import Tangent
 from vibrom.term import SceneError, Term
@@ -72,6 +72,10 @@ class Body:
         """
         return self.pattern.at(np.ascontiguousarray(q[:, None]), self.still)
 
+    def factor(self, q: np.ndarray):
+        """The tangent's factor."""
+        return factor(self.tangent(q), self.pattern.symmetric)
+
 
 def equilibrium(
     term: Term,
@@ -91,9 +95,9 @@ def equilibrium(
     body, n = Body(term), term.size
     q = np.zeros(n) if start is None else shaped("start", start, n=n).copy()
     before, after = body.internal(q), np.zeros(n)
-    for part, factor in ((term.dead_load, 1.0), (term.load, signal)):
+    for part, times in ((term.dead_load, 1.0), (term.load, signal)):
         if part is not None:
-            after = after + factor * part
+            after = after + times * part
     _finite(after)
     level, step = 0.0, 1.0 / steps
     while level < 1.0:
@@ -145,7 +149,7 @@ def _newton(
             break
         first = norm if iteration == 1 else first
         try:
-            q = q + splu(body.tangent(q)).solve(load - internal)
+            q = q + body.factor(q).solve(load - internal)
         except RuntimeError:  # exactly singular
             break
     return None, max_iterations
@@ -184,7 +188,7 @@ def path(
     found, last, step = [Point(0.0, q)], None, length
     while len(found) <= points:
         here = found[-1]
-        along = splu(body.tangent(here.q)).solve(load)
+        along = body.factor(here.q).solve(load)
         ahead = step / np.linalg.norm(along)
         if last is not None and along @ last < 0.0:
             ahead = -ahead
@@ -226,7 +230,7 @@ def _corrected(
         r = external - internal
         if not np.isfinite(r).all():
             break
-        solve = splu(body.tangent(q)).solve
+        solve = body.factor(q).solve
         by_residual, by_load = solve(r), solve(load)
         raised = -(predicted @ by_residual) / (predicted @ by_load)
         level, q = level + raised, q + by_residual + raised * by_load

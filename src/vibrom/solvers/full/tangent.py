@@ -3,15 +3,15 @@
     scale_a M + scale_v (C + df/dv) + scale_q (K + df/dq)
 
 in one fixed pattern, into which the compiled element kernels add. Factors are MKL's PARDISO where
-the package pypardiso is installed, SciPy's SuperLU otherwise.
+the package pypardiso is installed, those of `factors` otherwise.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, triu
-from scipy.sparse.linalg import splu
 
+from vibrom.solvers.full.factors import factor
 from vibrom.term import Force, Term
 
 try:
@@ -103,8 +103,6 @@ class Tangent:
         definite, which needs no pivots.
         """
         matrix = self.at(q, v)
-        if not self.symmetric:
-            return splu(matrix)
         if self.pardiso:
             return self.pardiso(matrix)
-        return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        return factor(matrix, self.symmetric, pivots=False)
