@@ -144,6 +144,20 @@ def test_abaqus_is_what_gmsh_is(tmp_path, kind):
     assert np.abs(loose.named[0, loose.free]).min() < 1e-9 < ours.named[0, ours.free].min()
 
 
+@pytest.mark.parametrize("kind", ["triangle6", "tetra10", "hexahedron27"])
+def test_other_files_are_read_by_meshio(tmp_path, kind):
+    import meshio
+
+    points = nodes_of(kind, GMSH[kind])
+    write_gmsh(tmp_path / "one.msh", [(kind, 1, [range(1, len(points) + 1)])], points)
+    meshio.read(tmp_path / "one.msh").write(tmp_path / "one.vtu")
+    made = build(tmp_path / "one.vtu", width=1.0 if plane(kind) else 0.0)
+    assert (made.mass or made.basis).dx.sum() == pytest.approx(volume(kind), rel=1e-12)
+    (tmp_path / "one.vtu").write_text("<nothing>")
+    with pytest.raises(SceneError, match="one.vtu cannot be read"):
+        build(tmp_path / "one.vtu")
+
+
 def test_the_file_in_the_repository_is_what_its_script_makes(tmp_path):
     import runpy
     import shutil

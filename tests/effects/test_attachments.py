@@ -4,7 +4,7 @@ elastic impact and one with losses.
 
 import numpy as np
 import pytest
-from scenes import BEAM, BENDING, LINE, SLENDER, quadratic_body
+from scenes import BEAM, BENDING, LINE, LINEAR, SLENDER, body, quadratic_body
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
@@ -253,3 +253,34 @@ def test_energy_in_contact_is_kept_to_second_order():
     # Where within a step a contact begins and ends scatters the constant, so the order is that of
     # the whole eightfold refinement.
     assert worst[0] < 1e-2 and worst[0] / worst[-1] > 8**1.5
+
+
+def test_an_effect_that_acts_more_than_once_is_a_list():
+    """Two stops and two masses are what they would be one by one; springs at one node add up."""
+    made = space.build(body(cells=[4, 1]))
+    at = {"at": [1.0, 0.02], "direction": "y"}
+    stops = [
+        {**at, "gap": 0.01, "stiffness": 1e5},
+        {**at, "gap": 0.02, "stiffness": 1e5, "side": "negative"},
+    ]
+    masses = [{"at": [1.0, 0.0], "mass": 1.0}, {"at": [0.5, 0.0], "mass": 2.0}]
+    term = effects.assemble(made, {**LINEAR, "stop": stops, "tip_mass": masses})
+    alone = effects.assemble(made, LINEAR)
+    dof = made.dof("it", *at.values())
+    q, f = np.zeros((made.size, 2)), np.zeros((made.size, 2))
+    q[dof] = 0.03, -0.03
+    for force in term.forces:
+        f_one = np.zeros_like(f)
+        force.kernels(2)[0](q, 0 * q, force.dofs, force.table, f_one)
+        f += f_one
+    # k (u - gap) on either side.
+    np.testing.assert_allclose(f[dof], [2000.0, -1000.0], rtol=1e-12)
+    assert (term.mass - alone.mass).diagonal().sum() == pytest.approx(6.0, rel=1e-12)
+    carried = term.carried - alone.carried
+    np.testing.assert_allclose(carried.sum(axis=0), [3.0, 3.0], rtol=1e-9)
+    springs = [{**at, "linear": 10.0}, {**at, "linear": 20.0}]
+    one, both = (
+        effects.assemble(made, {**LINEAR, "cubic_spring": each})
+        for each in ({**at, "linear": 30.0}, springs)
+    )
+    assert abs(one.stiffness - both.stiffness).max() <= 1e-15 * abs(one.stiffness).max()

@@ -203,6 +203,30 @@ def test_effects_add_up_in_an_order_of_their_own(project):
     ]
 
 
+def test_an_effect_may_be_listed_more_than_once(project):
+    stop = "{{at: [1.0, 0.01], direction: y, gap: {}, stiffness: 1.0}}"
+    stops = f"[{stop.format(0.1)}, {stop.format(0.2)}]"
+    text = "scene_settings: {{folding: {{effects: {{stop: {}}}}}}}"
+    made = load(project, overlay(project, text.format(stops))).scenes["folding"].effects["stop"]
+    assert [one["gap"] for one in made] == [0.1, 0.2] and made[0]["side"] == "positive"
+    line = complaint(project, overlay(project, text.format(f"[{stop.format(-1.0)}]")))
+    assert "folding.effects.stop[0].gap = -1.0 must be at least 0" in line
+    line = complaint(project, overlay(project, text.format("[]")))
+    assert "folding.effects.stop = [] is empty; give settings, or leave the effect out" in line
+
+
+def test_a_mesh_is_a_file_beside_the_scene_and_another_one_is_another_scene(project):
+    body = load(project, scenes=["perforated_beam"]).scenes["perforated_beam"].body
+    mesh = project / "config/scenes/perforated_beam.msh"
+    assert body["shape"] == "mesh" and body["mesh"] == str(mesh)
+    mesh.write_text(mesh.read_text().replace('"tip"', '"end"'))
+    other = load(project, scenes=["perforated_beam"]).scenes["perforated_beam"].body
+    assert other["digest"] != body["digest"]
+    mesh.unlink()
+    line = complaint(project, scenes=["perforated_beam"])
+    assert "body.mesh = 'perforated_beam.msh' cannot be read (No such file or directory)" in line
+
+
 def test_the_repository_is_valid_with_every_overlay(root):
     plain = load(root)
     assert set(plain.scenes) == {"small", "large", "folding", "curling"}

@@ -101,17 +101,24 @@ def _mesh_file(layers: Layers, folder: Path, mesh: str) -> dict[str, str]:
     return {"mesh": str(path), "digest": found}
 
 
-def _effects(layers: Layers) -> dict[str, dict[str, Any]]:
+def _effects(layers: Layers) -> dict[str, Any]:
     """In the order in which they add up."""
     given = layers.content["effects"]
     if not given:
         layers.refuse(("effects",), given, "is empty, and nothing moves without; list some")
     for name in given:
         layers.check_known(("effects", name), name, plugs.names("effects"), "effect")
-    return {
-        name: block(layers, ("effects", name), plugs.settings_of("effects", name))
-        for name in plugs.in_order(given)
-    }
+    return {name: _effect(layers, name, given[name]) for name in plugs.in_order(given)}
+
+
+def _effect(layers: Layers, name: str, given: Any) -> Any:
+    """The settings of an effect, or a list of them."""
+    path, kind = ("effects", name), plugs.settings_of("effects", name)
+    if not isinstance(given, list):
+        return block(layers, path, kind)
+    if not given:
+        layers.refuse(path, given, "is empty; give settings, or leave the effect out")
+    return [checked(one, kind, (*path, place), layers.refuse) for place, one in enumerate(given)]
 
 
 def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:

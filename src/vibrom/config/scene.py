@@ -90,7 +90,8 @@ class Scene(Block, frozen=True):
     name: Name  # the file's
     description: str
     body: dict[str, Any]  # `shape`, a file of src/vibrom/bodies, and its settings
-    effects: dict[str, dict[str, Any]]  # settings, by effect
+    # settings, by effect; a list of them where one acts more than once
+    effects: dict[str, list[dict[str, Any]] | dict[str, Any]]
     releases: Annotated[dict[Role, Release], Meta(min_length=2)]  # where the decays start
     record: Record  # what is recorded of a decay
     time: Time  # the time integration of the full-order model

@@ -3,11 +3,12 @@ the Term that it adds.
 
 `base` is the sum of the effects before it. Their order is not that of the scene: `STAGE`, a
 constant of the file, names what an effect adds first, and stages follow one another as
-`vibrom.config.scene.STAGES`. An effect that a scene does not list is never imported.
+`vibrom.config.scene.STAGES`. An effect that a scene does not list is never imported; one that acts
+more than once has a list of settings.
 """
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -16,12 +17,22 @@ from vibrom.config.instance import instance, plug
 from vibrom.config.scene import STAGES, USUAL_STAGE
 from vibrom.term import SceneError, Term
 
+Entry = Mapping[str, Any] | Sequence[Mapping[str, Any]] | None
 
-def assemble(space: Space, effects: Mapping[str, Mapping[str, Any] | None]) -> Term:
+
+def assemble(space: Space, effects: Mapping[str, Entry]) -> Term:
     """The sum of the effects of a scene."""
     total = Term()
     for name in sorted(effects, key=_place):
-        total = total + load(name, effects[name] or {}).assemble(space, total)
+        total = total + brought(name, effects[name], space, total)
+    return total
+
+
+def brought(name: str, entry: Entry, space: Space, base: Term) -> Term:
+    """What a scene's entry adds to `base`: one effect, or several of a kind."""
+    total = Term()
+    for settings in entry if isinstance(entry, list) else [entry]:
+        total = total + load(name, settings or {}).assemble(space, base + total)
     return total
 
 

@@ -199,7 +199,7 @@ def without(scene: Mapping[str, Any], left_out: tuple[str, ...]) -> tuple[Term, 
     for name in in_order(scene["effects"]):
         if name not in left_out:
             try:
-                total = total + effects.load(name, scene["effects"][name]).assemble(body, total)
+                total = total + effects.brought(name, scene["effects"][name], body, total)
             except (SceneError, RuntimeError):  # the latter from a stiffness that is singular
                 needed_by.append(name)
     return total, needed_by

@@ -1,5 +1,7 @@
-"""Mesh files: Gmsh's text (.msh, 2.2 and 4.1), Abaqus (.inp), and what meshio reads where that
-package is installed.
+"""Mesh files: Gmsh's text (.msh, 2.2 and 4.1), Abaqus (.inp), and whatever else meshio reads.
+
+Own code for the first two, of which meshio loses the names of Gmsh's groups in version 2.2 and
+knows no Abaqus elements CPE4, CPS6 or CPE8.
 """
 
 from pathlib import Path

@@ -1,7 +1,10 @@
-"""Any other mesh file, by the package meshio where it is installed."""
+"""Any other mesh file, by meshio."""
 
+import contextlib
+import io
 from pathlib import Path
 
+import meshio
 import numpy as np
 
 from vibrom.bodies.files.content import SHAPES, Content, Unreadable
@@ -9,17 +12,14 @@ from vibrom.bodies.files.content import SHAPES, Content, Unreadable
 
 def read(path: Path) -> Content:
     """See `files.read`."""
+    path.stat()
+    said = io.StringIO()
     try:
-        import meshio
-    except ImportError:
-        raise Unreadable(
-            f"files {path.suffix!r} need the package meshio, which is not installed; install it, "
-            "or export .msh or .inp"
-        ) from None
-    try:
-        found = meshio.read(path)
-    except meshio.ReadError as error:
-        raise Unreadable(str(error) or "meshio does not know it") from error
+        with contextlib.redirect_stdout(said):
+            found = meshio.read(path)
+    except (meshio.ReadError, SystemExit) as error:  # it ends the program where it gives up
+        why = " ".join(said.getvalue().split()) or str(error)
+        raise Unreadable(f"meshio says {why!r}; export .msh or .inp") from error
     points = np.zeros((len(found.points), 3))
     points[:, : found.points.shape[1]] = found.points
     content = Content(points)

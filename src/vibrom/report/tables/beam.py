@@ -83,6 +83,8 @@ def ten_digits(value):
 def properties(structure: xr.Dataset) -> dict:
     """What the scene says about the body; what it does not say is read off the mesh."""
     body, effects = described(structure, "body"), described(structure, "effects")
+    # Of an effect that acts more than once, the first.
+    effects = {name: each[0] if isinstance(each, list) else each for name, each in effects.items()}
     elasticity = effects.get("elasticity") or {}
     span = np.ptp(structure["node"].values, axis=0) if "node" in structure else [np.nan, np.nan]
     damping = structure["damping_ratio"].values[0] if "damping_ratio" in structure else np.nan

@@ -137,14 +137,17 @@ def unlike(structure: xr.Dataset) -> str:
     return ""
 
 
-def completed(effects: dict[str, dict]) -> dict[str, dict]:
-    """With the defaults that the effects declare."""
+def completed(effects: dict[str, Any]) -> dict[str, list[dict]]:
+    """With the defaults that the effects declare, each effect as a list."""
     known = plugs.names("effects")
     defaults = {
         name: plugs.defaults_of(plugs.settings_of("effects", name)) if name in known else {}
         for name in effects
     }
-    return {name: {**defaults[name], **(keys or {})} for name, keys in effects.items()}
+    listed = {name: keys if isinstance(keys, list) else [keys] for name, keys in effects.items()}
+    return {
+        name: [{**defaults[name], **(keys or {})} for keys in each] for name, each in listed.items()
+    }
 
 
 def as_printed(scene: str, collection: Collection) -> set[str]:
