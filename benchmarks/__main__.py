@@ -33,6 +33,7 @@ NAMES = (
     "sweep",
     "effects",
     "growth",
+    "solid",
     "budget",
     "compilation",
     "training",

@@ -30,7 +30,8 @@ class Beam:
     ):
         self.basis, self.free, self.mass, self.damping = basis, free, mass, damping
         shear = young / (2 * (1 + nu))
-        lame = young * nu / (1 - nu**2)  # plane stress
+        plane = basis.mesh.dim() == 2  # stress
+        lame = young * nu / ((1 - nu**2) if plane else (1 + nu) * (1 - 2 * nu))
 
         def strain_and_stress(w):
             gradient = w["u"].grad

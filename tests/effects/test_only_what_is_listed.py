@@ -100,7 +100,10 @@ def test_unlisted_effects_are_neither_imported_nor_compiled():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_scene_has_what_its_effects_bring(name):
-    made = space.build(SCENES[name]["body"])
+    body = SCENES[name]["body"]
+    if "mesh" in body:
+        body = {**body, "mesh": str(ROOT / "config/scenes" / body["mesh"])}
+    made = space.build(body)
     term = effects.assemble(made, SCENES[name]["effects"])
     assert set(SCENES[name]["effects"]) <= set(plugs.names("effects"))
     assert len(term.forces) == sum(

@@ -129,6 +129,17 @@ class Space:
             nodes.insert(1, self.basis.facet_dofs[:, facets])
         return np.stack(nodes).transpose(2, 0, 1)
 
+    @property
+    def surface(self) -> np.ndarray:
+        """(faces, corners) vertices around each face of a body in space; a triangle of a wedge has
+        its first one twice.
+        """
+        mesh = self.basis.mesh
+        facets = mesh.boundary_facets()
+        element, around = mesh.f2t[0, facets], np.array(mesh.elem.refdom.facets)
+        local = np.argmax(mesh.t2f[:, element] == facets, axis=0)
+        return mesh.t[around[local].T, element].T
+
     def boundary(self, key: str, name: str) -> np.ndarray:
         """The facets of a named boundary, for the entry `key` of the scene."""
         known = self.basis.mesh.boundaries or {}

@@ -69,9 +69,8 @@ def geometry(body: Space) -> Variables:
     mesh, surface = body.basis.mesh, {}
     corners = mesh.p[:, : mesh.nvertices].T
     if body.dimension == 3:
-        faces = mesh.facets[:, mesh.boundary_facets()].T
         surface["face_node"] = variable(
-            ("face", "around"), faces, "1", "vertices of each face of the surface, around it"
+            ("face", "around"), body.surface, "1", "vertices of each face of the surface, around it"
         )
     return surface | {
         "node": variable(("vertex", "axis"), corners, "m", "coordinates of the mesh vertices"),

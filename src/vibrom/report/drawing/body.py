@@ -106,6 +106,8 @@ def _edges(node: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     edges = np.sort(np.concatenate([faces[:, [k, (k + 1) % count]] for k in range(count)]), axis=1)
     owner = np.tile(np.arange(len(faces)), count)
+    real = edges[:, 0] != edges[:, 1]
+    edges, owner = edges[real], owner[real]
     order = np.lexsort(edges.T)
     pairs = order[: len(order) // 2 * 2].reshape(-1, 2)  # every edge has two faces
     cosine = np.abs(np.einsum("ij,ij->i", *normal[owner[pairs]].transpose(1, 0, 2)))

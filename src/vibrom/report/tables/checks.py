@@ -137,16 +137,16 @@ def unlike(structure: xr.Dataset) -> str:
     return ""
 
 
-def completed(effects: dict[str, Any]) -> dict[str, list[dict]]:
-    """With the defaults that the effects declare, each effect as a list."""
+def completed(effects: dict[str, Any]) -> dict[str, Any]:
+    """With the defaults that the effects declare; a list of settings stays what it is."""
     known = plugs.names("effects")
     defaults = {
         name: plugs.defaults_of(plugs.settings_of("effects", name)) if name in known else {}
         for name in effects
     }
-    listed = {name: keys if isinstance(keys, list) else [keys] for name, keys in effects.items()}
     return {
-        name: [{**defaults[name], **(keys or {})} for keys in each] for name, each in listed.items()
+        name: keys if isinstance(keys, list) else {**defaults[name], **(keys or {})}
+        for name, keys in effects.items()
     }
 
 
