@@ -4,8 +4,8 @@ import numpy as np
 import two_dofs
 from scipy.integrate import solve_ivp
 
-from vibrom.config.scene import Sweep
-from vibrom.steps.release import swept, turning_point
+from vibrom.config.scene import Release, Sweep
+from vibrom.steps.release import displaced, swept, turning_point
 
 FORCING = 0.3
 SWEEP = Sweep(frequencies=(0.9, 1.1), periods=4)
@@ -53,3 +53,9 @@ def test_it_is_released_where_it_turns_on_the_side_of_the_load():
     found = turning_point(two_dofs.full_order(), "train", FORCING, SWEEP, {})
     assert found @ two_dofs.LOAD > 0.0
     assert np.abs(found - q[speed.argmin()]).max() < 2e-3 * np.abs(q).max()
+
+
+def test_what_the_load_holds_is_released():
+    held = displaced(two_dofs.full_order(), "train", Release(forcing=FORCING, static=True))
+    expected = FORCING * np.linalg.solve(two_dofs.STIFFNESS, two_dofs.LOAD)
+    np.testing.assert_allclose(held, expected, rtol=1e-9)

@@ -87,13 +87,13 @@ BAD = {
         SCENE,
         "releases.test.sweep",
         {"frequencies": [1.0], "periods": 5},
-        ["releases.test", "both of step and sweep", "give one"],
+        ["releases.test", "gives step and sweep of step, sweep and static", "give one"],
     ),
     "no recipe for a release": (
         SCENE,
         "releases.test",
         {"forcing": 2600.0},
-        ["releases.test", "neither of step and sweep", "give one"],
+        ["releases.test", "gives none of step, sweep and static", "give one"],
     ),
     "a sweep through nothing": (
         SCENE,

@@ -141,9 +141,9 @@ def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
 def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     """What no single entry says."""
     for role, release in plain["releases"].items():
-        if (release["step"] is None) == (release["sweep"] is None):
-            given = "neither" if release["step"] is None else "both"
-            cure = f"gives {given} of step and sweep; give one of them"
+        given = [key for key in ("step", "sweep", "static") if release[key]]
+        if len(given) != 1:
+            cure = f"gives {' and '.join(given) or 'none'} of step, sweep and static; give one"
             layers.refuse(("releases", role), release, cure)
     train, test = plain["releases"]["train"], plain["releases"]["test"]
     if train == test:

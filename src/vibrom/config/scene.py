@@ -51,13 +51,16 @@ class Sweep(Block, frozen=True):
 
 
 class Release(Block, frozen=True):
-    """Where a decay starts: a displacement of a forced run. Either `step` or `sweep` is given."""
+    """Where a decay starts: a displacement of a forced run, or the one that the load holds. One of
+    `step`, `sweep` and `static` is given.
+    """
 
     forcing: Positive  # amplitude, as a multiple of the load
     # the displacement at this time step of a run from rest at the damped first frequency
     step: Step | None = None
     # the turning point, on the load's side, of the last period of this run
     sweep: Sweep | None = None
+    static: bool = False  # the equilibrium under the load itself
 
 
 class Record(Block, frozen=True):

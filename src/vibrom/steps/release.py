@@ -18,6 +18,7 @@ from vibrom.config.scene import Release, Sweep
 from vibrom.models.full_order import FullOrder
 from vibrom.models.model import Drive, Watch
 from vibrom.solvers.full.newmark import Motion, Record
+from vibrom.solvers.full.static import NoEquilibrium, equilibrium
 
 ROLES = ("train", "test")
 
@@ -29,11 +30,7 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
     shapes, legs = [], {}
     for role in ROLES:
         recipe = Release.from_builtins(scene["releases"][role])
-        shapes.append(
-            at_step(model, role, recipe.forcing, recipe.step)
-            if recipe.sweep is None
-            else turning_point(model, role, recipe.forcing, recipe.sweep, legs)
-        )
+        shapes.append(displaced(model, role, recipe, legs))
     dataset = xr.Dataset(
         {
             "displacement": variable(
@@ -54,6 +51,25 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
         releases=scene["releases"],
     )
     save_dataset(dataset, release, provenance)
+
+
+def displaced(model: FullOrder, role: str, recipe: Release, legs: dict) -> np.ndarray:
+    """(n,) [m] from the rest state; `legs` as of `turning_point`. Raises DataError where there is
+    none.
+    """
+    if recipe.static:
+        return held(model, role, recipe.forcing)
+    if recipe.sweep is not None:
+        return turning_point(model, role, recipe.forcing, recipe.sweep, legs)
+    return at_step(model, role, recipe.forcing, recipe.step)
+
+
+def held(model: FullOrder, role: str, forcing: float) -> np.ndarray:
+    """(n,) [m] in equilibrium under the load. Raises DataError where none is found."""
+    try:
+        return equilibrium(model.term, forcing, start=model.rest) - model.rest
+    except NoEquilibrium as error:
+        raise DataError(f"releases.{role}.forcing = {forcing:g} is not held: {error}") from error
 
 
 def at_step(model: FullOrder, role: str, forcing: float, step: int) -> np.ndarray:
