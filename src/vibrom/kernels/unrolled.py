@@ -125,6 +125,9 @@ class Lane:
     def __sub__(self, other):
         return self._with(other, "fsub")
 
+    def __rsub__(self, other):
+        return self._with(other, "fsub", True)
+
     def __mul__(self, other):
         return self._with(other, "fmul")
 
