@@ -13,7 +13,7 @@ from vibrom.report.scores import NO_SPREAD, Spread, spread
 
 def frequencies(curve: xr.Dataset, truth: xr.Dataset | None) -> np.ndarray:
     """Of the forcing (k,) [rad/s]; a model that could not be fitted has those of the full order."""
-    whole = curve if answered(curve) else truth
+    whole = next((item for item in (curve, truth) if answered(item)), None)
     return np.zeros(0) if whole is None else whole["angular_frequency"].values
 
 
@@ -42,7 +42,7 @@ def error_of(collection: Collection, scene: str, method: str) -> Spread:
     """The median of a model of the run."""
     truth = collection.find(scene, FULL_ORDER, "frc")
     curves = [curve for curve in collection.every(scene, method, "frc") if curve is not None]
-    if truth is None or not curves:
+    if not answered(truth) or not curves:
         return NO_SPREAD
     known = at_probe(truth, "amplitude")
     lost = np.full(known.shape, np.nan)

@@ -9,7 +9,7 @@ difference to the full order, in percent of its peak.
 
 import numpy as np
 
-from vibrom.report.collection import FULL_ORDER, at_probe
+from vibrom.report.collection import FULL_ORDER, answered, at_probe
 from vibrom.report.drawing import response
 
 FAMILY = "models"
@@ -24,7 +24,7 @@ def draw(collection, scores, scene=None):
     figure, upper = response.draw(collection, scores, "amplitude", AXES)
     for panel, name in zip(upper, collection.scenes):
         truth = collection.find(name, FULL_ORDER, "frc")
-        if truth is not None and np.isfinite(at_probe(truth, "amplitude")).any():
+        if answered(truth) and np.isfinite(at_probe(truth, "amplitude")).any():
             top = min(1.5 * float(np.nanmax(at_probe(truth, "amplitude"))), panel.dataLim.y1)
             panel.set_ylim(-0.03 * top, 1.08 * top)
     return figure
