@@ -6,7 +6,10 @@ also the decoder of polynomial models, which is extrapolated linearly there. A f
 curve counts as infinitely wrong, and a curve with gaps has no peak; medians are over seeds. For
 the decays from random states the table counts in how many the mechanical energy of the decoded
 motion, or the largest reduced position, grew from one period to the next: the damping is
-positive, so neither should.
+positive, so neither should. Whether a model of one oscillator may gain energy anywhere is looked at
+on a fine grid of its phase plane, far beyond the training range: its least damping ratio, and by
+how much its phase turns at least, of all seeds; with both positive every unforced motion comes to
+rest (``vibrom.studies.parts.certificate``).
 """
 
 import numpy as np
@@ -42,6 +45,8 @@ COLUMNS = (
     Column("decays", "Decays", whole=True),
     Column("energy_rises", "Energy rose in", whole=True),
     Column("envelope_rises", "Amplitude rose in", whole=True),
+    Column("least_damping", "Least damping ratio [–]", optional=True),
+    Column("least_turning", "Least turning [–]", optional=True),
     OUTCOME,
 )
 
@@ -56,7 +61,7 @@ def build(collection, scores):
             values = (float(answer[name]) for answer in group.answers)
             row |= spread(values, worst=worst).columns(column)
         ended = robustness.endings(group.answers, "frc_outcome")
-        rows.append(row | decays(group) | {"outcome": Tally(ended)})
+        rows.append(row | decays(group) | certified(group) | {"outcome": Tally(ended)})
     return rows
 
 
@@ -68,3 +73,12 @@ def decays(group: robustness.Group) -> dict[str, int | None]:
         grown = [int(rises(answer[name].values).sum()) for answer in answers]
         counts[f"{name}_rises"] = int(np.sum(grown)) if grown else None
     return counts
+
+
+def certified(group: robustness.Group) -> dict[str, float]:
+    """The least damping and turning of all seeds; NaN where they are not known."""
+    return {
+        name: float(np.fmin.reduce([found[name] for found in group.answers], initial=np.nan))
+        for name in ("least_damping", "least_turning")
+        if group.first and all(name in found for found in group.answers)
+    }

@@ -26,7 +26,7 @@ from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Rom, rom_from_dataset
 from vibrom.models.training import MethodError, Training, Underdetermined
 from vibrom.studies import Case, Fitted
-from vibrom.studies.parts import grid
+from vibrom.studies.parts import certificate, grid
 from vibrom.studies.parts.records import Column, stacked, text
 from vibrom.studies.robustness import Robustness
 
@@ -71,6 +71,8 @@ GUARD = {
         "next",
         DECAY,
     ),
+    "least_damping": Column("1", "least damping ratio anywhere; negative: it may gain energy"),
+    "least_turning": Column("1", "least turning of the phase anywhere; one of a linear oscillator"),
 }
 
 
@@ -204,6 +206,8 @@ class Bench:
 
             decays = grid.decays(model, self.chosen, PERIODS, energy_of)
             record |= dict(zip(("energy", "envelope"), decays))
+            damping, turning = certificate.least(rom)
+            record |= {"least_damping": np.asarray(damping), "least_turning": np.asarray(turning)}
         return record
 
     def answers_of_run(self, fitted: Fitted) -> dict[str, Any]:
