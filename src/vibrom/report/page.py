@@ -164,7 +164,8 @@ class Figures:
         data = [
             address
             for address in outputs.data(plug, self.collection.scenes)
-            if address.startswith("tables/") or self.collection.has(address)
+            if address.removesuffix(".csv") in self.captions
+            or (address.endswith(".nc") and self.collection.has(address))
         ]
         return [
             *((f"data: {address}", address) for address in data),
