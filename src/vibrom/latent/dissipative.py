@@ -13,9 +13,14 @@ V,  m = exp(-2 int b),  V' = -m a.
 
 Both conditions are linear in the coefficients. They are imposed on rays of the training ellipse,
 at radii up to one and for the slope at one; beyond, with the linear continuation of
-`extrapolation`, g along a ray is affine in the radius, so they hold everywhere. The least squares
-problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems, chapter 23): with A =
-QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one non-negative least squares.
+`extrapolation`, g along a ray is affine in the radius. Where a finer grid finds them broken, its
+points join, until it finds none (an exchange; Hettich and Kortanek, SIAM Review 35 (1993) 380).
+Between its points, h apart, a condition that touches its bound can be broken by O(h^2); it is
+imposed with SLACK, which is more.
+
+The least squares problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems,
+chapter 23): with A = QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one
+non-negative least squares.
 """
 
 import numpy as np
@@ -27,6 +32,8 @@ from vibrom.models.training import MethodError, Unsupported
 # one in units of the range.
 MARGIN = 0.05
 RAYS, RADII = 90, 12  # of a half ellipse; what is not mirrored by parity
+FINER, ROUNDS = 4, 20  # the grid that is looked at, and how often points of it join
+SLACK = 1e-4  # of z'^2 and of z^2 + z'^2, in units of the range
 
 
 def fit_dissipative(
@@ -43,27 +50,38 @@ def fit_dissipative(
         )
     powers, unit = exponents(2, 1, order), reach[1] ** 2 / reach[0]
     library = monomials(np.hstack([z, velocity]) / reach, powers)
-    return (
-        unit
-        * constrained_least_squares(library, acceleration[:, 0] / unit, *conditions(powers))
-        * np.prod((scale / reach) ** powers, axis=1)
-    )
+    fitted = by_exchange(library, acceleration[:, 0] / unit, powers)
+    return unit * fitted * np.prod((scale / reach) ** powers, axis=1)
 
 
-def conditions(powers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def by_exchange(library: np.ndarray, target: np.ndarray, powers: np.ndarray) -> np.ndarray:
+    """The smallest |library x - target| under the conditions, on the finer grid too."""
+    rows, bounds = conditions(powers, RAYS, RADII)
+    finer, limits = conditions(powers, FINER * RAYS, FINER * RADII)
+    for _ in range(ROUNDS):
+        found = constrained_least_squares(library, target, rows, bounds - SLACK)
+        broken = finer @ found > limits
+        if not broken.any():
+            return found
+        rows = np.concatenate([rows, finer[broken]])
+        bounds = np.concatenate([bounds, limits[broken]])
+    raise MethodError("the dissipative fit does not settle; choose another order for dissipative")
+
+
+def conditions(powers: np.ndarray, rays: int, radii: int) -> tuple[np.ndarray, np.ndarray]:
     """(rows, bounds): rows R <= bounds holds where the model is damped and turns, in units of the
-    range.
+    range and of z'^2 or z^2 + z'^2.
     """
-    angle = (np.arange(RAYS) + 0.5) * np.pi / RAYS
+    angle = (np.arange(rays) + 0.5) * np.pi / rays
     ray = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     ray = np.concatenate([ray, -ray])
     degree, odd = powers.sum(axis=1), powers[:, 1] % 2 == 1
     edge = monomials(ray, powers)
     # divided by the radius, so that small ones count
-    inside = [edge * radius**degree / radius for radius in np.arange(1, RADII + 1) / RADII]
+    inside = [edge * radius**degree / radius for radius in np.arange(1, radii + 1) / radii]
     values = np.concatenate([*inside, edge * degree])
-    z, velocity = (np.tile(part, RADII + 1)[:, None] for part in ray.T)
-    damping = np.where(odd, values, 0.0) * velocity
+    z, velocity = (np.tile(part, radii + 1)[:, None] for part in ray.T)
+    damping = np.where(odd, values, 0.0) / velocity  # o z' over z'^2: small z' count too
     turning = np.where(odd, 0.0, values) * z
     return np.concatenate([damping, turning]), np.concatenate(
         [np.zeros(len(damping)), velocity[:, 0] ** 2 - MARGIN]
