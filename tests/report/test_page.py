@@ -2,12 +2,15 @@
 
 import base64
 import gzip
+import io
 import re
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 from markupsafe import escape
+from matplotlib.figure import Figure
+from PIL import Image
 from written import EXPERIMENTS, PLUGS, TABLES
 
 from vibrom.artefacts.outcome import Tally
@@ -15,6 +18,7 @@ from vibrom.models.measures import nmte_percent
 from vibrom.report import answer, failures, outputs, tables
 from vibrom.report import headline as numbers
 from vibrom.report.columns import number
+from vibrom.report.page import HEAVY, image
 from vibrom.report.scores import Scores
 from vibrom.report.table import Table
 
@@ -102,6 +106,25 @@ def test_the_page_shows_the_failures_and_what_made_it(page):
     assert "training_diverged: 9 of 18 points" in found and "SPLIT+" in found
     assert "0123456789abcdef" in page and "numpy 2.0" in page
     assert "Schouten" in page and "Delft" in page
+
+
+def test_a_heavy_drawing_goes_in_as_pixels_of_few_colours():
+    figure = Figure(figsize=(4.0, 3.0))
+    axes = figure.subplots()
+    for slow in range(5, 25):
+        axes.plot(np.sin(np.arange(50) / slow))
+    made = io.BytesIO()
+    figure.savefig(made, format="png")
+    light, heavy = b"<svg/>", b"x" * (HEAVY + 1)
+    assert image({"svg": light, "png": made.getvalue()}).startswith("data:image/svg+xml;base64,")
+    kind, _, content = image({"svg": heavy, "png": made.getvalue()}).partition(",")
+    shown = base64.b64decode(content)
+    assert kind == "data:image/png;base64" and len(shown) < 0.6 * len(made.getvalue())
+    few, all_ = (
+        np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), float)
+        for png in (shown, made.getvalue())
+    )
+    assert few.shape == all_.shape and np.abs(few - all_).mean() < 3.0  # of 255
 
 
 def test_the_page_is_the_same_twice(made):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import io
 import json
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -16,6 +17,7 @@ from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
+from PIL import Image
 
 from vibrom.report import answer, differences, motion, outputs, plots
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
@@ -26,7 +28,8 @@ from vibrom.report.table import Table, render, resource, to_html
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
-HEAVY = 400_000  # bytes: a drawing above this goes in as pixels
+HEAVY = 200_000  # bytes: a drawing above this goes in as pixels
+COLOURS = 64  # of such pixels
 SECTIONS = {  # a family of figures and tables, or a template -> title
     "cost": "Accuracy and cost",
     "motion": "The beam moves",
@@ -65,9 +68,19 @@ def plotly() -> str:
 
 def image(formats: Mapping[str, bytes]) -> str:
     """A drawing as a data address: vectors, unless they are too heavy."""
-    light = "svg" in formats and (len(formats["svg"]) <= HEAVY or "png" not in formats)
-    form, kind = ("svg", "image/svg+xml") if light else ("png", "image/png")
-    return f"data:{kind};base64,{base64.b64encode(formats[form]).decode()}"
+    if "svg" in formats and (len(formats["svg"]) <= HEAVY or "png" not in formats):
+        kind, content = "image/svg+xml", formats["svg"]
+    else:
+        kind, content = "image/png", fewer_colours(formats["png"])
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def fewer_colours(png: bytes) -> bytes:
+    """The same pixels in a palette: a third of the bytes, and no difference to the eye."""
+    made = io.BytesIO()
+    with Image.open(io.BytesIO(png)) as picture:
+        picture.convert("RGB").quantize(COLOURS).save(made, "PNG", optimize=True)
+    return made.getvalue()
 
 
 def plain(frame: pd.DataFrame) -> Markup:
