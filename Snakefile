@@ -36,7 +36,7 @@ CONFIG = Path("config") if Path("config/config.yaml").is_file() else ROOT / "con
 # Read here and not by Snakemake, for which `on`, 0200 and 1:30 are not what they look like. As a
 # module this workflow is given a block by the other one, whose files and command are not for it.
 GIVEN = (workflow.configfiles, workflow.config_settings.config)
-if workflow.modifier.is_module:
+if len(workflow.modifier_stack) > 1:
     GIVEN = ([], config, layers.MODULE)
 try:
     SETTINGS = settings.load(CONFIG, *GIVEN)

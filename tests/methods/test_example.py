@@ -20,6 +20,7 @@ from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Extrapolation, Guards
 from vibrom.models.training import Structure, Training, Unsupported
+from vibrom.solvers.periodic.carried import swept
 from vibrom.solvers.reduced import steppers
 
 STEPPERS = [module.name for module in pkgutil.iter_modules(steppers.__path__)]
@@ -39,9 +40,11 @@ def rom(training, example):
 
 
 def question(name):
-    """The experiment, with the setting that a scene gives."""
+    """The experiment, with the settings that a scene gives, and a small forcing."""
     needed = [
-        item.name for item in dataclasses.fields(plug(name)) if item.default is dataclasses.MISSING
+        item.name
+        for item in dataclasses.fields(plug(name))
+        if item.default is dataclasses.MISSING or item.name == "forcing"
     ]
     return experiment(name, dict.fromkeys(needed, 0.05)).brief()
 
@@ -65,3 +68,11 @@ def test_guards_that_it_lacks_are_unsupported(rom, training):
     for guards in (*map(Guards, get_args(Extrapolation)[1:]), Guards(dissipative=5)):
         with pytest.raises(Unsupported, match="has no guards"):
             rom.guarded(guards, training)
+
+
+def test_a_motion_that_is_lost_at_once_has_no_value_at_any_probe(rom):
+    model = Reduced(rom, two_dofs.LOAD, np.array([0, 1]), two_dofs.DAMPED, Integrator())
+    flow, frequencies = model.return_map(), two_dofs.DAMPED * np.array([1.0, 1.1])
+    lost, kept = (swept(flow, frequencies, forcing, 2) for forcing in (100.0, 1e-3))
+    assert kept.shape == lost.shape and kept.shape[:2] == (2, 2)
+    assert np.isfinite(kept).all() and np.isnan(lost).all()

@@ -56,6 +56,6 @@ def test_it_is_released_where_it_turns_on_the_side_of_the_load():
 
 
 def test_what_the_load_holds_is_released():
-    held = displaced(two_dofs.full_order(), "train", Release(forcing=FORCING, static=True))
+    held = displaced(two_dofs.full_order(), "train", Release(forcing=FORCING, static=True), {})
     expected = FORCING * np.linalg.solve(two_dofs.STIFFNESS, two_dofs.LOAD)
     np.testing.assert_allclose(held, expected, rtol=1e-9)

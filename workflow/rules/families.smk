@@ -3,24 +3,23 @@
 #
 #   snakemake --cores 2 tables          all of them (or: figures)
 #   snakemake --cores 2 cost            one family (or: ablation, robustness)
-from itertools import product
 
-for FAMILY, KIND, EACH in product(PRESENT, MADE, ("run", "scene")):
-    OUTPUTS = in_report(KIND, FAMILY, EACH)
-    if not OUTPUTS:
-        continue
+for PART in parts():
+    FAMILY, KIND = PART.family, PART.kind
 
     rule:
         name:
-            f"{FAMILY}_{KIND}" if EACH == "run" else f"{FAMILY}_{KIND}_of_scene"
+            PART.name
         input:
-            artefacts=made_from(FAMILY, EACH),
+            artefacts=made_from(PART),
         output:
-            outputs=OUTPUTS,
+            outputs=in_report(PART),
         log:
-            f"<logs>/{'' if EACH == 'run' else '{scene}/'}{FAMILY}_{KIND}.log",
+            f"<logs>/{PART.folder}{FAMILY}_{KIND}.log",
         benchmark:
-            f"<benchmarks>/{'' if EACH == 'run' else '{scene}/'}{FAMILY}_{KIND}.tsv"
+            f"<benchmarks>/{PART.folder}{FAMILY}_{KIND}.tsv"
+        wildcard_constraints:
+            scene="|".join(map(re.escape, PART.scenes)),
         conda:
             "../../envs/vibrom.yaml"
         params:
@@ -28,7 +27,7 @@ for FAMILY, KIND, EACH in product(PRESENT, MADE, ("run", "scene")):
             kind=KIND,
             provenance=code("output", f"report.{KIND}", *modules(KIND, [FAMILY])),
         message:
-            f"{KIND} of {FAMILY}{'' if EACH == 'run' else ', {wildcards.scene}'}"
+            f"{KIND} of {FAMILY}{', {wildcards.scene}' if PART.folder else ''}"
         script:
             "../scripts/step.py"
 

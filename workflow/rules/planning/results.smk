@@ -1,4 +1,5 @@
 # Which artefacts the tables, figures and the report are made from.
+from itertools import product
 from typing import NamedTuple
 
 from vibrom.report import outputs
@@ -116,31 +117,49 @@ def plugs_shown(kind):
     )
 
 
-def in_report(kind, family, each):
-    """The outputs of a family, those of the "run" or of a "scene", the wildcard: .html of tables
-    and .svg of figures appear in Snakemake's report.
-    """
-    made = MADE[kind].get(family, ())
-    plugs = {name: name if kind == "tables" else made[name].plug for name in made}
-    if each == "run":
-        names = {name: plug for name, plug in plugs.items() if not scene_of(kind, family, name)}
-    else:
-        plugs = [plug for name, plug in plugs.items() if scene_of(kind, family, name)]
-        names = {f"{plug}_{{scene}}": plug for plug in dict.fromkeys(plugs)}
+class Part(NamedTuple):
+    """Tables or figures of a family that are made together: those of the run, or of one scene."""
+
+    name: str  # of the rule
+    family: str
+    kind: str
+    scenes: list  # that have these; of the run: all
+    plugs: dict  # output, with the wildcard {scene}, -> file that makes it
+
+    @property
+    def folder(self):
+        """Below logs and benchmarks."""
+        return "{scene}/" if any("{scene}" in name for name in self.plugs) else ""
+
+
+def parts():
+    """Those of the run, and those of the scenes that have the same figures."""
+    for family, kind in product(PRESENT, MADE):
+        by_scene = {}
+        for name in MADE[kind].get(family, ()):
+            plug, scene = (name, None) if kind == "tables" else FIGURES[family][name]
+            by_scene.setdefault(scene, {})[plug if scene is None else f"{plug}_{{scene}}"] = plug
+        if of_run := by_scene.pop(None, None):
+            yield Part(f"{family}_{kind}", family, kind, list(SCENES), of_run)
+        alike = {}
+        for scene, plugs in by_scene.items():
+            alike.setdefault(tuple(plugs), []).append(scene)
+        for number, scenes in enumerate(alike.values()):
+            name = f"{family}_{kind}_of_scene" + (f"_{number + 1}" if number else "")
+            yield Part(name, family, kind, scenes, by_scene[scenes[0]])
+
+
+def in_report(part):
+    """Its outputs: .html of tables and .svg of figures appear in Snakemake's report."""
     return [
         (
-            shown(kind, name, plug, form)
+            shown(part.kind, name, plug, form)
             if form in ("html", "svg")
-            else f"<results>/{kind}/{name}.{form}"
+            else f"<results>/{part.kind}/{name}.{form}"
         )
-        for name, plug in names.items()
-        for form in outputs.FORMATS[kind]
+        for name, plug in part.plugs.items()
+        for form in outputs.FORMATS[part.kind]
     ]
-
-
-def scene_of(kind, family, name):
-    """The scene that a figure is of; None: the whole run."""
-    return None if kind == "tables" else FIGURES[family][name].scene
 
 
 def shown(kind, name, plug, form):
@@ -152,10 +171,10 @@ def shown(kind, name, plug, form):
     )
 
 
-def made_from(family, each):
-    """The artefacts behind the tables or figures of the run, or of a scene."""
-    paths = FAMILIES[family].artefacts
-    if each == "run":
+def made_from(part):
+    """The artefacts behind them, those of the run or of a scene."""
+    paths = FAMILIES[part.family].artefacts
+    if not part.folder:
         return paths
     return lambda wildcards: [
         path for path in paths if path.startswith(f"<results>/{wildcards.scene}/")

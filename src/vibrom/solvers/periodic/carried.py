@@ -14,8 +14,13 @@ def swept(flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int
         x = flow.after(x, float(omega), amplitude, periods)
         if not np.isfinite(x).all():
             break
-        (swing,) = flow.swings(x[None], np.array([omega]), np.array([amplitude]))
-        rows.append(swing.displacement)
-    shape = rows[0].shape if rows else (1, 1)
+        rows.append(_swing(flow, x, float(omega), amplitude))
+    shape = _swing(flow, np.zeros(flow.size), float(frequency[0]), 0.0).shape
     lost = np.full((len(frequency) - len(rows), *shape), np.nan)
     return np.concatenate([np.reshape(rows, (len(rows), *shape)), lost])
+
+
+def _swing(flow: ReturnMap, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
+    """(probes, samples) [m] of the period that begins at x."""
+    (swing,) = flow.swings(x[None], np.array([frequency]), np.array([amplitude]))
+    return swing.displacement
