@@ -4,6 +4,7 @@ their commands and scripts are run, and what they promise is there.
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -217,7 +218,7 @@ def fresh(tmp_path_factory):
 @pytest.mark.parametrize("line", [line for line in shown() if line.startswith("snakemake")])
 def test_every_snakemake_command_that_is_shown_is_one(fresh, line):
     """As it is typed; without running jobs, as most take minutes."""
-    words = line.split()[1:]
+    words = shlex.split(line)[1:]
     quiet = ["--list"] if "--list" in words else [*words, "--dry-run", "--quiet"]
     answer = command(fresh, *quiet, PYTHONPATH=str(fresh / "src"))
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
