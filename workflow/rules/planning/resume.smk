@@ -30,12 +30,22 @@ def note():
     os.replace(partial, RUNNING)
 
 
+def unlimited():
+    """Jobs on this machine start when there is room. Snakemake's limit of jobs a second, for the
+    sake of a cluster's queue, would look for new ones again a second after every job, and once
+    begun for ever: after some hundred jobs that takes a quarter of a core.
+    """
+    if workflow.resource_settings.nodes is None:
+        workflow.scheduler.job_rate_limiter = None
+
+
 if workflow.is_main_process:
     take_over()
 
 
 onstart:
     note()
+    unlimited()
 
 
 onsuccess:
