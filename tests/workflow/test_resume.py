@@ -78,3 +78,27 @@ def test_run_under_way_is_left_alone(running, tmp_path):
     other = command(tmp_path, "--cores", "1", "--rerun-incomplete")
     assert other.returncode != 0 and "cannot be locked" in other.stdout + other.stderr
     assert running.poll() is None
+
+
+TOLD = """
+import sys
+from snakemake.scheduling.job_scheduler import JobScheduler
+JobScheduler._schedule_reevalutation = lambda self, delay: print("looks again")
+from snakemake.cli import main
+main()
+"""
+
+
+def test_jobs_on_this_machine_are_not_counted_by_the_second(project):
+    """With a limit of jobs a second, every job would start a timer that starts others."""
+    (project / "one.yaml").write_text("scenes: [small]\n")
+    target = "results/small/full_order/structure.nc"
+    answer = subprocess.run(
+        [sys.executable, "-c", TOLD, "--cores", "1", target, "--configfile", "one.yaml"],
+        cwd=project,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT / "src")},
+    )
+    assert answer.returncode == 0, answer.stderr[-3000:]
+    assert (project / target).is_file() and "looks again" not in answer.stdout
