@@ -147,6 +147,16 @@ def test_instants_out_of_order_are_put_in_order():
     assert made.notes == ("instants put in order",)
 
 
+def test_samples_without_an_instant_are_left_out_and_noted(tmp_path):
+    time = 1e3 * TIME
+    time[5] = np.nan
+    np.savez(tmp_path / "x.npz", t=time, x=1e3 * X)
+    for entry in ({}, {"end": 3000.0}):
+        found = loaded(tmp_path / "x.npz", **entry)
+        assert found.notes == ("1 samples without an instant left out",)
+        np.testing.assert_allclose(found.time[4:6], TIME[[4, 6]], atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("time", "says"),
     [

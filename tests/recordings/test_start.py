@@ -28,9 +28,9 @@ def record(monkeypatch, *arguments):
     main()
 
 
-def csv(path, start):
+def csv(path, start, began=0.0):
     x = 1e3 * Oscillator().motion(TIME, start)
-    rows = np.column_stack([1e3 * TIME, x])
+    rows = np.column_stack([began + 1e3 * TIME, x])
     np.savetxt(path, rows, delimiter=",", header="time [ms],tip [mm]", comments="")
 
 
@@ -49,12 +49,13 @@ def test_files_of_one_decay_each(here, monkeypatch, capsys):
     assert "3 recordings, first frequency 5.0" in said and "30 periods of" in said
 
 
-def test_one_decay_is_cut_in_the_middle(here, monkeypatch):
-    csv(here / "a.csv", 1.0)
+@pytest.mark.parametrize("began", [0.0, 1.7e12])  # ms: also of a clock that counts from 1970
+def test_one_decay_is_cut_in_the_middle(here, monkeypatch, began):
+    csv(here / "a.csv", 1.0, began)
     record(monkeypatch, "a.csv", "--out", "config/scenes/mine.yaml")
     first, second = scene(here).recordings
     assert first.role == "train" and second.role == "test"
-    assert first.end == second.begin == pytest.approx(3000.0, abs=10.0)
+    assert first.end == second.begin == pytest.approx(began + 3000.0, rel=0.0, abs=10.0)
 
 
 def test_a_cell_of_instants_and_channels_holds_several(here, monkeypatch):

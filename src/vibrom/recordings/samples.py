@@ -142,12 +142,12 @@ def clean(name: str) -> str:
 
 
 def part_of(samples: Samples, item: Recording) -> Samples:
-    """From `begin` to `end`, in the unit of the file."""
+    """From `begin` to `end`, in the unit of the file, and what has no instant."""
     begin, end = (
         default if value is None else value
         for value, default in ((item.begin, -np.inf), (item.end, np.inf))
     )
-    kept = (samples.time >= begin) & (samples.time <= end)
+    kept = ~((samples.time < begin) | (samples.time > end))  # without an instant: see `in_order`
     if not kept.any():
         span = f"{np.nanmin(samples.time):g} to {np.nanmax(samples.time):g}"
         raise DataError(f"{samples.where}: nothing between begin and end; its time is {span}")

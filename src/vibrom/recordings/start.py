@@ -125,8 +125,9 @@ def described(found: list[Recording], time_unit: str, length_unit: str) -> Recor
     """The scene of these recordings, with roles."""
     plain = [item.to_builtins() for item in found]
     if len(plain) == 1:
+        # Read in seconds whatever the unit is: `begin` and `end` are in the file's.
         one = samples.loaded(found[0], scene_of(plain * 2, "s", length_unit))
-        middle = float(f"{0.5 * (one.time[0] + one.time[-1]):.4g}")
+        middle = float(one.time[len(one.time) // 2])
         plain = [plain[0] | {"end": middle}, plain[0] | {"begin": middle}]
     plain[-1]["role"] = "test"
     return scene_of(plain, time_unit, length_unit)
