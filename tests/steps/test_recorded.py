@@ -97,6 +97,7 @@ def test_the_artefacts_hold_the_motion_the_linear_part_and_every_recording(paths
     ratio = IT.damping / IT.omega
     assert float(known["damping_ratio"][0]) == pytest.approx(ratio, rel=0.02)
     assert np.isnan(known["load"].values).all()
+    assert known["load"].units == ("N" if paths["known"] else "m s-2")
     assert "slow motion from" in train.attrs["notes"]
 
 

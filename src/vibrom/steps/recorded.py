@@ -53,8 +53,9 @@ def run(
 def structure_of(scene: RecordedScene, decays: Decays) -> xr.Dataset:
     """Linear part, probes and load."""
     variables = linear_variables(scene, decays)
+    unit = "N" if scene.operators else "m s-2"
     variables |= {
-        "load": variable("dof", load_of(scene, decays), "N", "load per unit of the signal"),
+        "load": variable("dof", load_of(scene, decays), unit, "load per unit of the signal"),
         "probe_dof": variable(
             "probe", decays.probes, "1", "free displacement that each probe watches"
         ),
@@ -132,7 +133,9 @@ def response_of(forcing: Forcing, decays: Decays, metres: float) -> Variables:
 
 
 def load_of(scene: RecordedScene, decays: Decays) -> np.ndarray:
-    """(n,) in phase with each channel's; NaN where nothing is known of the load."""
+    """(n,) in phase with each channel's [N] where operators are known, else [m/s2]; NaN where
+    nothing is known of the load.
+    """
     count = len(decays.names)
     if scene.forcing is None:
         return np.full(count * len(decays.in_phase), np.nan)
