@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.files import DataError
+from vibrom.config.files import digest
 from vibrom.config.places import FULL_ORDER, UNSEEDED
 
 FITTED_ONCE = -1  # the attribute `seed` of what is made without one
@@ -141,7 +142,7 @@ def made_from(inputs: Mapping[str, Any]) -> str:
 def _content_of(path: str) -> str:
     if path.endswith(".nc") and (written := attributes_of(path).get("content")):
         return str(written)
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+    return digest(Path(path))
 
 
 def stale(
