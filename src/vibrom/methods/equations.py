@@ -9,8 +9,8 @@ polynomials, which hold beyond the series' radius of convergence. Among denomina
 That amplitude is the model's reach: a motion that leaves it ends as `left_range`. With `beyond:
 orbits` or `shooting` periodic motions of the undamped body are followed farther, and polynomials
 fitted to them (`latent.manifold_orbits`): they reach motions at which series of any order cease to
-converge. Orbits of few harmonics cost a second. By shooting, which costs some seconds for a body of
-some hundred displacements, motions are exact but for their time steps.
+converge. Orbits have few harmonics, and cost least. By shooting, motions are exact but for their
+time steps.
 
 A load pushes z, by its part along the manifold, and adds a displacement beside it, both to first
 order in the load and to any order in z.
@@ -45,9 +45,7 @@ DENOMINATORS = (2, 1, 3, 0)  # degrees in |z|^2, the likeliest first
 BESIDE = 11  # highest order of what the load adds beside the manifold, a small correction
 FAR_BESIDE = 5  # likewise, where motions are farther than series of high order converge
 FOLLOWED = ("orbits", "shooting")
-LARGEST = (
-    1500  # displacements of a body that is shot: a derivative over a period takes their square
-)
+LARGEST = 1500  # displacements of a body that is shot: the memory of a period goes by their square
 TRUST_AT = (0.25, 0.5, 0.75, 1.0, 1.1, 1.25, 1.5)  # of the reach: where the error is recorded
 FARTHEST = 8.0  # times the radius of convergence: where the search for the trusted amplitude begins
 
