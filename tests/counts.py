@@ -66,14 +66,14 @@ def files():
 
 
 def longest_lines():
-    """(columns, file:line) of the longest line of the package, the tests and the benchmarks."""
+    """(columns, file:line) of the longest line of code and of prose, tables aside."""
     folders = [SOURCE, ROOT / "tests", ROOT / "benchmarks", ROOT / "workflow/scripts"]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "config").glob("*.md"), *(ROOT / "docs").rglob("*.md")]
     return max(
         (len(line), f"{path.relative_to(ROOT)}:{number}")
-        for folder in folders
-        for path in folder.rglob("*.py")
+        for path in [*pages, *(path for folder in folders for path in folder.rglob("*.py"))]
         for number, line in enumerate(path.read_text().splitlines(), 1)
-        if "noqa: E501" not in line
+        if "noqa: E501" not in line and not line.startswith("|")
     )
 
 
