@@ -7,31 +7,14 @@ import shutil
 
 import pytest
 import yaml
-from bad_entries import BAD, SCENE
+from bad_entries import BAD
+from bad_scenes import SCENE
 from project_copy import change
+from reading import complaint, load, overlay
 
-from vibrom.config import files, settings
-from vibrom.config.errors import SettingsError, closest
+from vibrom.config.errors import closest
 
 VARIANT = "config/methods/ssmlearn_11.yaml"
-
-
-def load(project, *overlays, **command):
-    return settings.load(project / "config", overlays, command)
-
-
-def complaint(project, *overlays, **command) -> str:
-    with pytest.raises(SettingsError) as caught:
-        load(project, *overlays, **command)
-    line = str(caught.value)
-    assert line.isprintable()
-    return line
-
-
-def overlay(folder, text: str | bytes):
-    path = folder / "mine.yaml"
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
 
 
 @pytest.mark.parametrize("case", BAD)
@@ -73,66 +56,6 @@ def test_a_value_of_the_command_line_is_blamed_on_it(project, tmp_path):
     loose = load(project, mine, integrator={"atol": "1e-4"}, seeds=["3", "2e0"], studies="null")
     assert loose.integrator["rtol"] == 1e-3 and loose.integrator["atol"] == 1e-4
     assert loose.seeds == [3, 2] and loose.studies == {}
-
-
-HUNDRED = ",".join("1" * 100)
-
-
-@pytest.mark.parametrize(
-    "text, says",
-    [
-        ("a: 1\na: 2\n", "line 2 'a' is given twice; remove one"),
-        ("a: [1\n", "is not YAML"),
-        ("- 1\n", "holds no"),
-        ("", "holds no"),
-        ("a: &a [*a]", "alias *a holds itself"),
-        ("a: *b", "alias *b stands for nothing before it"),
-        (
-            f"a: &a [{HUNDRED}]\nb: &b [{HUNDRED.replace('1', '*a')}]\n"
-            f"c: [{HUNDRED.replace('1', '*b')}]",
-            "line 3 grows beyond 100000 entries",
-        ),
-        ("a: " + "[" * 100_000, "nested more than"),
-        ("{[1, 2]: 3}", "has a key that is no word"),
-        ("a: !!python/name:os.system x", "has the tag"),
-        ("a: 1\n---\nb: 2\n", "begins a second document"),
-        ("a: \x01", "is not YAML"),
-        ("a: 1\n<<: 3\n", "merges blocks only"),
-        ("a: caf\u00e9".encode("latin-1"), "is not UTF-8 text; save it as UTF-8"),
-        ("a: 1".encode("utf-16"), "is not UTF-8 text"),
-    ],
-)
-def test_text_that_is_no_configuration(project, tmp_path, text, says):
-    line = complaint(project, overlay(tmp_path, text))
-    assert "mine.yaml: " in line and says in line
-
-
-def test_a_file_that_is_not_there(project, tmp_path):
-    assert "gone.yaml: file cannot be read (No such" in complaint(project, tmp_path / "gone.yaml")
-
-
-@pytest.mark.parametrize(
-    "word, value",
-    [
-        ("1e-8", 1e-8),
-        ("104.0e9", 104e9),
-        ("2e2", 200.0),
-        ("-3", -3),
-        ("true", True),
-        ("~", None),
-        *((text, text) for text in ("on", "no", "0200", "0o17", "0x1f", "1:30", "1_000")),
-        *((text, text) for text in ("2024-02-30", "NA", "inf", "True story")),
-    ],
-)
-def test_plain_words_are_those_of_yaml_1_2(tmp_path, word, value):
-    found = files.read(overlay(tmp_path, f"a: {word}\n{word}: 1\nb: '{word}'\n"))
-    assert found == {"a": value, word: 1, "b": word} and type(found["a"]) is type(value)
-
-
-def test_aliases_and_merges_write_blocks_again(tmp_path):
-    text = "a: &a {x: 1, y: 2}\nb: &b {x: 3}\nc: {<<: [*b, *a], z: *b}\nd: {<<: *a, x: 0}\n"
-    found = files.read(overlay(tmp_path, text))
-    assert found["c"] == {"x": 3, "y": 2, "z": {"x": 3}} and found["d"] == {"x": 0, "y": 2}
 
 
 def test_overlays_merge_replace_and_remove(project, tmp_path):

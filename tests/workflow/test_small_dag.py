@@ -8,7 +8,7 @@ import shutil
 
 import numpy as np
 import pytest
-from project_copy import ROOT, command, copy
+from miniature import Run
 from rocrate.rocrate import ROCrate
 
 from vibrom.artefacts.data import KINDS, open_dataset
@@ -25,37 +25,6 @@ COST = {"cost_models", "cost_tables", "cost_figures"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "models_figures_of_scene"}
 SINKS |= {"report", "tracking", "crate", "headline", "all"}
-
-
-class Run:
-    """A copy of the repository whose package can be edited."""
-
-    def __init__(self, folder):
-        self.folder = copy(folder, "src")
-        self.results = self.folder / "results"
-
-    def snakemake(self, *arguments, overlays=()):
-        overlay = ROOT / "tests/workflow/small_dag.yaml"
-        return command(
-            self.folder,
-            *arguments,
-            "--configfile",
-            str(overlay),
-            *overlays,
-            PYTHONPATH=str(self.folder / "src"),
-        )
-
-    def planned(self, *arguments: str, overlays=()) -> dict[str, int]:
-        """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules", overlays=overlays)
-        assert plan.returncode == 0, plan.stdout + plan.stderr
-        table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
-        return {
-            name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)
-        }
-
-    def contents(self) -> dict:
-        return {path: path.read_bytes() for path in self.results.rglob("*.nc")}
 
 
 @pytest.fixture(scope="module")
