@@ -60,3 +60,9 @@ def test_a_hardening_oscillator_driven_so_strongly_swings_as_far_as_was_measured
 def test_a_load_that_moves_nothing_cannot_be_calibrated():
     with pytest.raises(Unsupported, match="does not move the first coordinate"):
         Calibration(9.0, 0.1, dof=0).strength(oscillator(0.0), np.array([0.0, 1.0]))
+
+
+def test_a_motion_that_does_not_balance_calibrates_nothing(monkeypatch):
+    monkeypatch.setattr("vibrom.models.calibration.ACCEPTED", 0.0)
+    with pytest.raises(Unsupported, match="no response of 0.9 m at 11 rad/s"):
+        Calibration(11.0, 0.9, dof=0).strength(oscillator(60.0), np.array([1.0, 0.0]))

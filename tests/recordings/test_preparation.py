@@ -113,6 +113,7 @@ def test_the_slow_motion_begins_where_the_fast_one_has_died_out():
 def test_noise_does_not_hide_where_the_slow_motion_begins():
     found = slow.begins(noisy(IT.motion(TIME, 1.0), 0.05)[:, None], 1 / 500, 5.15, 1e-4)
     assert found.begin < 1.0 and found.limit > 1e-4
+    assert found.limit == pytest.approx(2.0 * found.share.min())  # and no more
 
 
 def test_delays_of_a_vibration_are_in_phase():
