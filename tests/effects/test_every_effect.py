@@ -165,6 +165,21 @@ def test_states_side_by_side_are_each_as_alone(name, made):
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_a_force_that_says_so_has_a_potential(name, made):
+    """Its derivative by displacements is symmetric, and it does not see velocities."""
+    term = effects.assemble(made, listed(name, made))
+    q, v = states(made.size)
+    for one in term.forces:
+        alike, bare = [], Term(forces=(one,), load=np.zeros(made.size))
+        for state in range(STATES):
+            at = alone(q, state), alone(v, state)
+            by_q, by_v = (Tangent(bare, 0.0, *which).at(*at) for which in ((0.0, 1.0), (1.0, 0.0)))
+            size = max(abs(by_q).max(), abs(by_v).max())
+            alike.append(max(abs(by_q - by_q.T).max(), abs(by_v).max()) <= 1e-12 * size)
+        assert all(alike) == one.conservative
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_its_mean_force_does_the_work_of_its_potential(name, made):
     """From q - d to q + d, against an integral of the force along the path; and its tangent is the
     derivative by the end of a step whose start stays. The same side by side as alone.

@@ -28,7 +28,9 @@ class DryFriction:
     def assemble(self, space: Space, base: Term) -> Term:
         dof = space.dof("effects.dry_friction", self.at, self.direction)
         table = np.array([[float(self.force), float(self.velocity)]])
-        return Term(forces=(Force(lambda width: (_force, _tangent), np.array([[dof]]), table),))
+        kernels = _force, _tangent
+        rub = Force(lambda width: kernels, np.array([[dof]]), table, conservative=False)
+        return Term(forces=(rub,))
 
 
 @force_kernel

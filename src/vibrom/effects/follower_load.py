@@ -97,6 +97,7 @@ class FollowerLoad:
             np.ascontiguousarray(space.element_dofs[beside]),
             np.ascontiguousarray(table),
             symmetric=False,
+            conservative=False,
         )
         return Term(dead_load=space.vector(load), forces=(turning,))
 
