@@ -6,7 +6,6 @@ from scenes import LINEAR, UNDAMPED
 
 from vibrom import effects
 from vibrom.bodies import space
-from vibrom.bodies.files import gmsh
 from vibrom.bodies.files.content import EDGES
 from vibrom.config.files import digest
 from vibrom.solvers.full.modes import eigenmodes
@@ -43,7 +42,22 @@ ABAQUS = {
     ),
 }
 FIRST = {"triangle": "CPS3", "quad": "CPE4", "tetra": "C3D4", "hexahedron": "C3D8", "wedge": "C3D6"}
-NUMBERS = {kind: number for number, kind in gmsh.TYPES.items()}
+# Gmsh's numbers of elements (its reference manual, "MSH file format").
+NUMBERS = {
+    "vertex": 15,
+    "line": 1,
+    "triangle": 2,
+    "quad": 3,
+    "tetra": 4,
+    "hexahedron": 5,
+    "wedge": 6,
+    "triangle6": 9,
+    "quad9": 10,
+    "tetra10": 11,
+    "hexahedron27": 12,
+    "quad8": 16,
+    "hexahedron20": 17,
+}
 
 
 def corner(kind):
@@ -237,10 +251,10 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
         ),
         ({"blocks": [("line", 1, [[1, 4]])]}, "has no elements of a plane or solid body"),
         (
-            {"blocks": [*BLOCKS, ("line", 1, [[1, 5]])]},
+            {"blocks": [("line", 1, [[1, 4], [1, 5]]), *BLOCKS[1:]]},
             "1 of the 2 facets of group 'left' belong to",
         ),
-        ({"blocks": [("quad", 2, [[1, 2, 5, 40]])]}, "its elements name nodes that are not there"),
+        ({"blocks": [("quad", 2, [[1, 2, 5, 40]])]}, "is cut off, damaged or of a version"),
     ]
     for changes, says in cases:
         with pytest.raises(SceneError, match=says) as refused:
@@ -248,21 +262,73 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
         assert "\n" not in str(refused.value)
 
 
+def test_groups_without_a_name_have_their_number(tmp_path):
+    path = tmp_path / "strip.msh"
+    write_gmsh(path, [("line", 7, [[1, 4]]), ("quad", 0, QUADS)], STRIP)
+    made = build(path, width=0.1, clamped=["7"])
+    assert made.size == 8 and set(made.basis.mesh.boundaries) == {"7"}
+
+
+def test_binary_files_have_the_groups_of_text(tmp_path):
+    import meshio
+
+    text = "config/scenes/perforated_beam.msh"
+    meshio.read(text).write(tmp_path / "one.msh", file_format="gmsh22", binary=True)
+    probes = {"end": {"at": "tip", "direction": "y"}}
+    found, true = (
+        build(path, width=0.05, clamped=["fixed"], probes=probes)
+        for path in (tmp_path / "one.msh", text)
+    )
+    assert found.probes == true.probes and found.size == true.size
+    np.testing.assert_array_equal(found.segments("hole"), true.segments("hole"))
+
+
 def test_nodes_without_an_element_are_left_out(tmp_path):
     made = strip(tmp_path, points=[*STRIP, [9, 9, 0]])
     assert made.size == 8
+
+
+# Version 4.1: a line in a group, a triangle in none.
+PARTLY = """$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Entities
+0 1 1 0
+1 0 0 0 0 1 0 1 1 0
+1 0 0 0 1 1 0 0 0
+$EndEntities
+$Nodes
+1 3 1 5
+2 1 0 3
+1
+2
+5
+0 0 0
+1 0 0
+0 1 0
+$EndNodes
+$Elements
+2 2 1 2
+1 1 1 1
+1 1 5
+2 1 2 1
+2 1 2 4
+$EndElements
+"""
 
 
 @pytest.mark.parametrize(
     "name, text, says",
     [
         ("none.msh", None, "cannot be read .No such file"),
-        ("bad.msh", "nonsense", "it has no .MeshFormat, .Nodes or .Elements"),
-        ("old.msh", "$MeshFormat\n1 0 8\n$Nodes\n0\n$Elements\n0\n", "it has version 1; export"),
+        ("bad.msh", "nonsense", "meshio says .*Couldn't read file"),
+        ("old.msh", "$MeshFormat\n1 0 8\n$EndMeshFormat\n", "of a version that is not known"),
+        ("some.msh", PARTLY, "some of its elements are in no physical group"),
+        ("hole.msh", PARTLY.replace("1 0 1 1 0", "1 0 0 0"), "name nodes that are not there"),
         (
             "torn.msh",
             "$MeshFormat\n2.2 0 8\n$Nodes\n1\n1 0\n$Elements\n1\nx\n",
-            "cut off or dam",
+            "cut off, damaged or of a version",
         ),
         ("two.inp", "*PART\n*PART\n*NODE\n1,0,0\n", "it has 2 parts; export the one"),
         (

@@ -1,4 +1,4 @@
-"""A body from a mesh file: Gmsh (.msh, as text), Abaqus (.inp), or anything else that meshio reads.
+"""A body from a mesh file: Gmsh (.msh), Abaqus (.inp), or anything else that meshio reads.
 
     body: {mesh: part.msh, width: 0.01, clamped: [fixed], probes: {tip: {at: end, direction: y}}}
 

@@ -1,16 +1,17 @@
-"""Mesh files: Gmsh's text (.msh, 2.2 and 4.1), Abaqus (.inp), and whatever else meshio reads.
+"""Mesh files: Gmsh's (.msh) and whatever else meshio reads, and Abaqus's (.inp).
 
-Own code for the first two, of which meshio loses the names of Gmsh's groups in version 2.2 and
-knows no Abaqus elements CPE4, CPS6 or CPE8.
+Own code for the last: of Abaqus's elements meshio knows no CPE3, CPE4, CPE8, CPS6 or CPS8, and of
+several *NODE blocks it keeps the last.
 """
 
 from pathlib import Path
 
-from vibrom.bodies.files import abaqus, foreign, gmsh
+from vibrom.bodies.files import abaqus, foreign
 from vibrom.bodies.files.content import Content, Unreadable
 from vibrom.term import SceneError
 
-READERS = {".msh": gmsh.read, ".inp": abaqus.read}
+DAMAGED = "it is cut off, damaged or of a version that is not known"
+READERS = {".inp": abaqus.read}
 
 
 def read(path: Path) -> Content:
@@ -19,6 +20,6 @@ def read(path: Path) -> Content:
         return READERS.get(path.suffix, foreign.read)(path)
     except OSError as error:
         raise SceneError(f"body.mesh = {path} cannot be read ({error.strerror})") from error
-    except (Unreadable, ValueError, IndexError, KeyError, StopIteration) as error:
-        why = str(error) if isinstance(error, Unreadable) else "it is cut off or damaged"
+    except (Unreadable, ValueError, IndexError, KeyError) as error:
+        why = str(error) if isinstance(error, Unreadable) else DAMAGED
         raise SceneError(f"body.mesh = {path} cannot be read: {why}") from error

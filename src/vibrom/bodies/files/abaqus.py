@@ -122,7 +122,7 @@ def _content(tags: np.ndarray, points: np.ndarray, elements: dict, sets: dict) -
     content, place = Content(points), {tag: number for number, tag in enumerate(tags.tolist())}
     for kind, (numbers, nodes) in elements.items():
         rows = np.array([[place[tag] for tag in row] for row in nodes])
-        content.add(kind, rows, [])
+        content.elements[kind] = [rows]
         row_of = {number: row for row, number in enumerate(numbers)}
         for (keyword, name), members in sets.items():
             some = [row_of[member] for member in members if member in row_of]

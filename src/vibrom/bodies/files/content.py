@@ -59,10 +59,3 @@ class Content:
     elements: dict[str, list[np.ndarray]] = field(default_factory=dict)
     # name -> [(m, k) corners]: of facets, edges (k = 2) or single nodes (k = 1)
     groups: dict[str, list[np.ndarray]] = field(default_factory=dict)
-
-    def add(self, kind: str, nodes: np.ndarray, names: list[str]) -> None:
-        """A block of elements that belong to some groups."""
-        self.elements.setdefault(kind, []).append(nodes)
-        corners = nodes[:, : SHAPES[kind][1]]
-        for name in names:
-            self.groups.setdefault(name, []).append(corners)
