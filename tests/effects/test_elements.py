@@ -144,3 +144,11 @@ def test_rigid_modes_are_all_that_costs_no_energy(kind):
     rigid = 3 if made.dimension == 2 else 6
     assert np.abs(values[:rigid]).max() <= 1e-12 * values[-1]
     assert values[rigid] > 1e-6 * values[-1]
+
+
+def test_nonlinearity_needs_elasticity_before_it():
+    with pytest.raises(
+        ValueError, match="effects.geometric_nonlinearity needs elastic.* list elasticity first"
+    ):
+        listed = {"inertia": {"density": 1.0}, "geometric_nonlinearity": {}}
+        effects.assemble(distorted("quad"), listed)
