@@ -6,7 +6,7 @@ Whose an artefact is, it says itself; one that lies where another belongs is ref
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -129,6 +129,12 @@ def described(dataset: xr.Dataset | None, block: str) -> dict:
 def answered(dataset: xr.Dataset | None) -> bool:
     """Are there values? A model that could not be fitted leaves an outcome and nothing else."""
     return dataset is not None and bool(dataset.attrs.get("answered", True))
+
+
+def by_method(study: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Each method of a study, and what the study knows of its fits."""
+    for method in dict.fromkeys(study["model"].values.tolist()):
+        yield method, study.isel(fit=study["model"].values == method)
 
 
 def probe_name(dataset: xr.Dataset) -> str:

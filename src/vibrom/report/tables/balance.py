@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.outcome import Outcome, Tally
-from vibrom.report.collection import FULL_ORDER
+from vibrom.report.collection import FULL_ORDER, by_method
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
 from vibrom.report.scores import spread
 
@@ -51,8 +51,7 @@ def build(collection, scores):
 def of_models(scene: str, study: xr.Dataset) -> list[dict]:
     """The decay and the forced run of each method."""
     rows = []
-    for method in dict.fromkeys(study["model"].values.tolist()):
-        chosen = study.isel(fit=study["model"].values == method)
+    for method, chosen in by_method(study):
         for run in ("decay", "forced"):
             values, fits = chosen[f"{run}_balance"].values, chosen["outcome"].values
             broken = values > study.attrs["tolerance"]

@@ -12,7 +12,7 @@ what it says itself that it may be trusted to. Medians over seeds.
 import numpy as np
 
 from vibrom.artefacts.outcome import Outcome, Tally
-from vibrom.report.collection import FULL_ORDER
+from vibrom.report.collection import FULL_ORDER, by_method
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
 from vibrom.report.scores import spread
 
@@ -47,8 +47,7 @@ def build(collection, scores):
             rows.append({"case": scene, "method": FULL_ORDER, "outcome": Outcome.NOT_RUN})
             continue
         edge = study.isel(amplitude=int(np.abs(study["amplitude"].values - 1.0).argmin()))
-        for method in dict.fromkeys(study["model"].values.tolist()):
-            chosen = edge.isel(fit=edge["model"].values == method)
+        for method, chosen in by_method(edge):
             row = {"case": scene, "method": method, "seeds": chosen.sizes["fit"]}
             for column, (name, worst) in MEASURES.items():
                 row |= spread(chosen[name].values, worst=worst).columns(column)
