@@ -1,8 +1,9 @@
-"""Small distorted bodies of every kind of element."""
+"""Small distorted bodies of every kind of element, and mesh files of small bodies."""
 
 import numpy as np
 import skfem
 
+from vibrom.bodies import space
 from vibrom.bodies.elements import KINDS, bases
 from vibrom.bodies.space import Space, movable, numbered
 from vibrom.bodies.topology import fill
@@ -63,3 +64,50 @@ def spaced(mesh: skfem.Mesh, kind: str, clamped=("left",)) -> Space:
     free = numbered(scalar, basis, movable(basis, clamped))
     thickness = THICKNESS if mesh.dim() == 2 else 1.0
     return Space(basis, scalar, thickness, tuple(clamped), free, basis.doflocs, {}, mass)
+
+
+# Gmsh's numbers of elements (its reference manual, "MSH file format").
+NUMBERS = {
+    "vertex": 15,
+    "line": 1,
+    "triangle": 2,
+    "quad": 3,
+    "tetra": 4,
+    "hexahedron": 5,
+    "wedge": 6,
+    "triangle6": 9,
+    "quad9": 10,
+    "tetra10": 11,
+    "hexahedron27": 12,
+    "quad8": 16,
+    "hexahedron20": 17,
+}
+
+
+def write_gmsh(path, blocks, points, names=(), version="2.2"):
+    """Blocks (kind, group, rows of node numbers from 1 on)."""
+    text = ["$MeshFormat", f"{version} 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
+    text += [f'{dim} {tag} "{name}"' for dim, tag, name in names]
+    text += ["$EndPhysicalNames", "$Nodes", str(len(points))]
+    text += [f"{k} {x:.17g} {y:.17g} {z:.17g}" for k, (x, y, z) in enumerate(points, 1)]
+    rows = [(kind, group, row) for kind, group, found in blocks for row in found]
+    text += ["$EndNodes", "$Elements", str(len(rows))]
+    for k, (kind, group, row) in enumerate(rows, 1):
+        text.append(f"{k} {NUMBERS[kind]} 2 {group} 1 {' '.join(map(str, row))}")
+    path.write_text("\n".join([*text, "$EndElements"]))
+
+
+def build(path, **changes):
+    return space.build({"mesh": str(path), "clamped": [], "probes": {}, "width": 0.0, **changes})
+
+
+STRIP = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+QUADS = [[1, 2, 5, 4], [2, 3, 6, 5]]
+NAMES = [(1, 1, "left"), (2, 2, "part"), (0, 3, "end")]
+BLOCKS = [("line", 1, [[1, 4]]), ("quad", 2, QUADS), ("vertex", 3, [[6]])]
+
+
+def strip(tmp_path, blocks=BLOCKS, points=STRIP, **changes):
+    path = tmp_path / "strip.msh"
+    write_gmsh(path, blocks, points, NAMES)
+    return build(path, **{"width": 0.1, "clamped": ["left"], **changes})

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from meshes import BLOCKS, NAMES, QUADS, STRIP, build, distorted, strip, write_gmsh
 from scenes import LINEAR, UNDAMPED
 
 from vibrom import effects
@@ -42,22 +43,6 @@ ABAQUS = {
     ),
 }
 FIRST = {"triangle": "CPS3", "quad": "CPE4", "tetra": "C3D4", "hexahedron": "C3D8", "wedge": "C3D6"}
-# Gmsh's numbers of elements (its reference manual, "MSH file format").
-NUMBERS = {
-    "vertex": 15,
-    "line": 1,
-    "triangle": 2,
-    "quad": 3,
-    "tetra": 4,
-    "hexahedron": 5,
-    "wedge": 6,
-    "triangle6": 9,
-    "quad9": 10,
-    "tetra10": 11,
-    "hexahedron27": 12,
-    "quad8": 16,
-    "hexahedron20": 17,
-}
 
 
 def corner(kind):
@@ -99,23 +84,6 @@ def volume(kind):
     inplane = (1 + 0.2 * y) * 1.0 - 0.2 * x * 0.3 * x
     depth = 1.0 if name in ("triangle", "quad") else 1 + 0.1 * x
     return float(weight @ (inplane * depth))
-
-
-def write_gmsh(path, blocks, points, names=(), version="2.2"):
-    """Blocks (kind, group, rows of node numbers from 1 on)."""
-    text = ["$MeshFormat", f"{version} 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
-    text += [f'{dim} {tag} "{name}"' for dim, tag, name in names]
-    text += ["$EndPhysicalNames", "$Nodes", str(len(points))]
-    text += [f"{k} {x:.17g} {y:.17g} {z:.17g}" for k, (x, y, z) in enumerate(points, 1)]
-    rows = [(kind, group, row) for kind, group, found in blocks for row in found]
-    text += ["$EndNodes", "$Elements", str(len(rows))]
-    for k, (kind, group, row) in enumerate(rows, 1):
-        text.append(f"{k} {NUMBERS[kind]} 2 {group} 1 {' '.join(map(str, row))}")
-    path.write_text("\n".join([*text, "$EndElements"]))
-
-
-def build(path, **changes):
-    return space.build({"mesh": str(path), "clamped": [], "probes": {}, "width": 0.0, **changes})
 
 
 def plane(kind):
@@ -197,18 +165,6 @@ def test_groups_of_version_4_are_boundaries_and_points():
     assert np.isfinite(term.dead_load).all()
 
 
-STRIP = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
-QUADS = [[1, 2, 5, 4], [2, 3, 6, 5]]
-NAMES = [(1, 1, "left"), (2, 2, "part"), (0, 3, "end")]
-BLOCKS = [("line", 1, [[1, 4]]), ("quad", 2, QUADS), ("vertex", 3, [[6]])]
-
-
-def strip(tmp_path, blocks=BLOCKS, points=STRIP, **changes):
-    path = tmp_path / "strip.msh"
-    write_gmsh(path, blocks, points, NAMES)
-    return build(path, **{"width": 0.1, "clamped": ["left"], **changes})
-
-
 def test_a_raised_order_is_that_of_the_quadratic_rectangle(tmp_path):
     probes = {"tip": {"at": [2.0, 1.0], "direction": "y"}}
     size = {"length": 2.0, "height": 1.0, "width": 0.1, "cells": [2, 1], "clamped": ["left"]}
@@ -262,89 +218,9 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
         assert "\n" not in str(refused.value)
 
 
-def test_groups_without_a_name_have_their_number(tmp_path):
-    path = tmp_path / "strip.msh"
-    write_gmsh(path, [("line", 7, [[1, 4]]), ("quad", 0, QUADS)], STRIP)
-    made = build(path, width=0.1, clamped=["7"])
-    assert made.size == 8 and set(made.basis.mesh.boundaries) == {"7"}
-
-
-def test_binary_files_have_the_groups_of_text(tmp_path):
-    import meshio
-
-    text = "config/scenes/perforated_beam.msh"
-    meshio.read(text).write(tmp_path / "one.msh", file_format="gmsh22", binary=True)
-    probes = {"end": {"at": "tip", "direction": "y"}}
-    found, true = (
-        build(path, width=0.05, clamped=["fixed"], probes=probes)
-        for path in (tmp_path / "one.msh", text)
-    )
-    assert found.probes == true.probes and found.size == true.size
-    np.testing.assert_array_equal(found.segments("hole"), true.segments("hole"))
-
-
 def test_nodes_without_an_element_are_left_out(tmp_path):
     made = strip(tmp_path, points=[*STRIP, [9, 9, 0]])
     assert made.size == 8
-
-
-# Version 4.1: a line in a group, a triangle in none.
-PARTLY = """$MeshFormat
-4.1 0 8
-$EndMeshFormat
-$Entities
-0 1 1 0
-1 0 0 0 0 1 0 1 1 0
-1 0 0 0 1 1 0 0 0
-$EndEntities
-$Nodes
-1 3 1 5
-2 1 0 3
-1
-2
-5
-0 0 0
-1 0 0
-0 1 0
-$EndNodes
-$Elements
-2 2 1 2
-1 1 1 1
-1 1 5
-2 1 2 1
-2 1 2 4
-$EndElements
-"""
-
-
-@pytest.mark.parametrize(
-    "name, text, says",
-    [
-        ("none.msh", None, "cannot be read .No such file"),
-        ("bad.msh", "nonsense", "meshio says .*Couldn't read file"),
-        ("old.msh", "$MeshFormat\n1 0 8\n$EndMeshFormat\n", "of a version that is not known"),
-        ("some.msh", PARTLY, "some of its elements are in no physical group"),
-        ("hole.msh", PARTLY.replace("1 0 1 1 0", "1 0 0 0"), "name nodes that are not there"),
-        (
-            "torn.msh",
-            "$MeshFormat\n2.2 0 8\n$Nodes\n1\n1 0\n$Elements\n1\nx\n",
-            "cut off, damaged or of a version",
-        ),
-        ("two.inp", "*PART\n*PART\n*NODE\n1,0,0\n", "it has 2 parts; export the one"),
-        (
-            "shell.inp",
-            "*NODE\n1,0,0\n*ELEMENT, TYPE=XYZ9\n",
-            "type XYZ9 are none of a plane",
-        ),
-        ("empty.inp", "*HEADING\n", "it has no .NODE or no .ELEMENT"),
-    ],
-)
-def test_a_file_that_cannot_be_read_is_one_line(tmp_path, name, text, says):
-    if text is not None:
-        (tmp_path / name).write_text(text)
-    with pytest.raises(SceneError, match=says) as refused:
-        build(tmp_path / name)
-    assert "\n" not in str(refused.value)
 
 
 def test_a_digest_is_of_what_the_file_holds(tmp_path):
@@ -360,3 +236,15 @@ def test_edges_of_all_kinds_have_a_middle():
     """The order in which files give them is that of the tables above, up to Gmsh's own."""
     for kind, (_, middles) in ABAQUS.items():
         assert ["".join(map(str, pair)) for pair in EDGES[kind]] == middles
+
+
+@pytest.mark.parametrize("kind", ["quad8", "hexahedron20"])
+def test_middles_that_a_file_lacks_lie_where_its_shape_functions_have_them(kind):
+    made = distorted(kind)
+    mesh, own = made.basis.mesh, made.scalar.elem
+    local = mesh.doflocs[:, mesh.dofs.element_dofs]
+    count = own.doflocs.shape[0]
+    at = type(mesh).elem().doflocs[count:].T
+    shapes = np.array([own.lbasis(at, a)[0] for a in range(count)])
+    expected = np.einsum("iae,ap->ipe", local[:, :count], shapes)
+    np.testing.assert_allclose(local[:, count:], expected, atol=1e-14)
