@@ -107,7 +107,8 @@ def test_every_scene_has_what_its_effects_bring(name):
     term = effects.assemble(made, SCENES[name]["effects"])
     assert set(SCENES[name]["effects"]) <= set(plugs.names("effects"))
     assert len(term.forces) == sum(
-        effect in ("geometric_nonlinearity", "cubic_spring", "stop", "follower_load")
+        effect
+        in ("geometric_nonlinearity", "cubic_spring", "stop", "follower_load", "dry_friction")
         for effect in SCENES[name]["effects"]
     )
     assert term.load is not None and (term.dead_load is not None) == (
