@@ -66,9 +66,11 @@ def files():
 
 
 def longest_lines():
-    """(columns, file:line) of the longest line of code and of prose, tables aside."""
+    """(columns, file:line) of the longest line of code, prose and configuration, tables aside."""
     folders = [SOURCE, ROOT / "tests", ROOT / "benchmarks", ROOT / "workflow/scripts"]
-    pages = [*ROOT.glob("*.md"), *(ROOT / "config").glob("*.md"), *(ROOT / "docs").rglob("*.md")]
+    pages = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "config").glob("*.md")]
+    for folder, kind in (("config", "yaml"), ("profiles", "yaml"), ("workflow", "smk")):
+        pages += (ROOT / folder).rglob(f"*.{kind}")
     return max(
         (len(line), f"{path.relative_to(ROOT)}:{number}")
         for path in [*pages, *(path for folder in folders for path in folder.rglob("*.py"))]

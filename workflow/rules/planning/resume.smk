@@ -12,8 +12,8 @@ def take_over():
     """Remove the locks of this folder if they are those of a dead process of this machine, and the
     files that its jobs were writing.
 
-    A run that ends by itself, well or not, leaves no note of itself. A lock younger than the note is
-    another run's that is just starting.
+    A run that ends by itself, well or not, leaves no note of itself. A lock younger than the note
+    is another run's that is just starting.
     """
     words = RUNNING.read_text().split() if RUNNING.is_file() else []
     if len(words) == 3 and words[0] == platform.node() and words[2] != started(int(words[1])):

@@ -16,8 +16,8 @@ def seed_of(wildcards):
 
 
 def scene_part(*keys):
-    """The blocks of the scene that a rule reads; a change in another one does not run it again. None
-    of a recorded scene, which has no equations of motion.
+    """The blocks of the scene that a rule reads; a change in another one does not run it again.
+    None of a recorded scene, which has no equations of motion.
     """
     return lambda wildcards: (
         None
