@@ -15,8 +15,9 @@ Both conditions are linear in the coefficients. They are imposed on rays of the 
 at radii up to one and for the slope at one; beyond, with the linear continuation of
 `extrapolation`, g along a ray is affine in the radius. Where a finer grid finds them broken, its
 points join, until it finds none (an exchange; Hettich and Kortanek, SIAM Review 35 (1993) 380).
-Between its points, h apart, a condition that touches its bound can be broken by O(h^2); it is
-imposed with SLACK, which is more.
+Between points h apart a condition rises by O(h^2), so it is imposed with SLACK. No bound proves
+that SLACK is more. Fits up to order 9 are looked at by a test on a grid of other points: all are
+damped there, and turn by more than MARGIN less SLACK, where more than zero is enough.
 
 The least squares problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems,
 chapter 23): with A = QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one
