@@ -32,7 +32,7 @@ from vibrom.models.rom import Rom, rom_from_dataset
 from vibrom.models.training import Training, Trajectory
 from vibrom.recordings import preparation, samples
 from vibrom.recordings.start import described, recordings_in
-from vibrom.solvers.periodic.carried import swept
+from vibrom.solvers.periodic.carried import swept, swings
 
 
 @dataclass(frozen=True)
@@ -139,8 +139,9 @@ class FittedModel:
         motion carried on from one to the next; NaN from where it does not last. `strength` is in
         units of the calibrated load, else of an acceleration of 1 m/s2.
         """
-        flow = self.reduced.return_map()
-        return 0.5 * np.ptp(swept(flow, np.asarray(frequency, float), strength, periods), axis=-1)
+        flow, frequency = self.reduced.return_map(), np.asarray(frequency, float)
+        points = swept(flow, frequency, strength, periods)
+        return 0.5 * np.ptp(swings(flow, points, frequency, strength), axis=-1)
 
     def save(self, path: str | Path) -> None:
         """Write the model as netCDF, all or nothing."""

@@ -20,7 +20,7 @@ from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import Extrapolation, Guards
 from vibrom.models.training import Structure, Training, Unsupported
-from vibrom.solvers.periodic.carried import swept
+from vibrom.solvers.periodic.carried import swept, swings
 from vibrom.solvers.reduced import steppers
 
 STEPPERS = [module.name for module in pkgutil.iter_modules(steppers.__path__)]
@@ -73,6 +73,9 @@ def test_guards_that_it_lacks_are_unsupported(rom, training):
 def test_a_motion_that_is_lost_at_once_has_no_value_at_any_probe(rom):
     model = Reduced(rom, two_dofs.LOAD, np.array([0, 1]), two_dofs.DAMPED, Integrator())
     flow, frequencies = model.return_map(), two_dofs.DAMPED * np.array([1.0, 1.1])
-    lost, kept = (swept(flow, frequencies, forcing, 2) for forcing in (100.0, 1e-3))
+    lost, kept = (
+        swings(flow, swept(flow, frequencies, forcing, 2), frequencies, forcing)
+        for forcing in (100.0, 1e-3)
+    )
     assert kept.shape == lost.shape and kept.shape[:2] == (2, 2)
     assert np.isfinite(kept).all() and np.isnan(lost).all()

@@ -9,12 +9,13 @@ from scipy.sparse import csr_matrix
 from scipy.special import ellipk
 
 from vibrom.artefacts.outcome import Outcome
+from vibrom.solvers.periodic.carried import swept
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_frequency
 from vibrom.solvers.periodic.resonance import backbone, damping_ratio
 from vibrom.solvers.periodic.response import Span, response
 from vibrom.solvers.periodic.stability import Kind
-from vibrom.solvers.periodic.starts import from_backbone, from_sweeps, swept
+from vibrom.solvers.periodic.starts import from_backbone, from_sweeps
 
 ONE = csr_matrix(np.eye(1))
 

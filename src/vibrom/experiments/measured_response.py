@@ -18,7 +18,7 @@ from vibrom.experiments import Experiment, Given, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
 from vibrom.models.training import Unsupported
-from vibrom.solvers.periodic.carried import swept
+from vibrom.solvers.periodic.carried import swept, swings
 from vibrom.solvers.periodic.equations import prepare
 
 
@@ -51,11 +51,12 @@ class MeasuredResponse(Experiment):
         probe = int(np.nonzero(model.probes == int(known["response_dof"]))[0][0])
         prepare(flow, frequency[0])
         began, force = time.perf_counter(), float(self.forcing)
-        swings = swept(flow, frequency, force, self.periods)[:, probe]
+        points = swept(flow, frequency, force, self.periods)
+        swing = swings(flow, points, frequency, force)[:, probe]
         seconds = time.perf_counter() - began
-        lasts = np.isfinite(swings).all(axis=1)
+        lasts = np.isfinite(swing).all(axis=1)
         words = np.where(lasts, Outcome.OK.value, Outcome.DIVERGED.value).astype(object)
-        shown = periodic(swings)
+        shown = periodic(swing)
         point = "response"
         answer = {
             **response((point,), shown),

@@ -17,9 +17,9 @@ from vibrom.config.kinds import Count, Positive, Whole
 from vibrom.experiments import Experiment, Given, response
 from vibrom.models.measures import curve_error, periodic
 from vibrom.models.model import Model
+from vibrom.solvers.periodic.carried import swept, swings
 from vibrom.solvers.periodic.equations import prepare
-from vibrom.solvers.periodic.maps import ReturnMap, Swing
-from vibrom.solvers.periodic.starts import swept
+from vibrom.solvers.periodic.maps import ReturnMap
 
 DIRECTIONS = ("up", "down")
 APART = 0.01  # of the larger one: amplitudes that belong to two motions
@@ -65,10 +65,7 @@ class Sweeps(Experiment):
             for order in (frequency, frequency[::-1])
         )
         points = [up, down[::-1]]
-        swings = [
-            [_swing(flow, x, omega, forcing) for x, omega in zip(row, frequency)] for row in points
-        ]
-        shown = periodic(np.stack([[item.displacement for item in row] for row in swings]))
+        shown = periodic(np.stack([swings(flow, row, frequency, forcing) for row in points]))
         jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0])
         seconds = time.perf_counter() - began
         finite = np.isfinite(shown.maximum).all(axis=-1)
@@ -128,11 +125,11 @@ class Sweeps(Experiment):
         self, flow: ReturnMap, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray
     ) -> np.ndarray:
         """Frequencies (2,) on both sides of a jump from x, between two at which it was seen."""
-        (low, high), (before, after) = frequency, amplitude
+        (low, high), (before, after), forcing = frequency, amplitude, float(self.forcing)
         for _ in range(self.halvings):
             middle = 0.5 * (low + high)
-            ahead = flow.after(x, middle, float(self.forcing), self.periods)
-            seen = _swing(flow, ahead, middle, float(self.forcing)).displacement[0].max()
+            ahead = flow.after(x, middle, forcing, self.periods)
+            seen = swings(flow, [ahead], np.array([middle]), forcing)[0, 0].max()
             if abs(seen - before) < abs(seen - after):
                 low, x, before = middle, ahead, seen
             else:
@@ -159,12 +156,3 @@ def _off(one: float, other: float) -> float:
     if np.isnan(one) and np.isnan(other):
         return 0.0
     return float(100.0 * (one / other - 1.0)) if np.isfinite(one * other) else float("inf")
-
-
-def _swing(flow: ReturnMap, x: np.ndarray, frequency: float, amplitude: float) -> Swing:
-    """The period from x on; NaN where x is."""
-    known = np.isfinite(x).all()
-    start = x if known else np.zeros_like(x)
-    drive = np.array([frequency]), np.array([amplitude if known else 0.0])
-    (swing,) = flow.swings(start[None], *drive)
-    return swing if known else replace(swing, displacement=np.full_like(swing.displacement, np.nan))

@@ -1,26 +1,38 @@
-"""A motion that is carried on from one frequency of the load to the next."""
+"""Sweeps: a motion that is carried on from one frequency of the load to the next."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from vibrom.solvers.periodic.maps import ReturnMap
 
 
-def swept(flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int) -> np.ndarray:
-    """(k, probes, samples) the last of so many periods at each frequency (k,) [rad/s], in their
-    order and from rest; NaN from where the motion does not last.
+def swept(
+    flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int, settle: int = 0
+) -> list[np.ndarray]:
+    """Points (m,) after so many periods at each frequency (k,) [rad/s] in this order, each carried
+    on from the one before; the first begins from rest and takes `settle` periods more. NaN from
+    where the motion does not last.
     """
-    x, rows = np.zeros(flow.size), []
-    for omega in frequency:
-        x = flow.after(x, float(omega), amplitude, periods)
-        if not np.isfinite(x).all():
-            break
-        rows.append(_swing(flow, x, float(omega), amplitude))
-    shape = _swing(flow, np.zeros(flow.size), float(frequency[0]), 0.0).shape
-    lost = np.full((len(frequency) - len(rows), *shape), np.nan)
-    return np.concatenate([np.reshape(rows, (len(rows), *shape)), lost])
+    x, points = np.zeros(flow.size), []
+    for number, omega in enumerate(frequency.tolist()):
+        x = flow.after(x, omega, amplitude, periods + (0 if number else settle))
+        points.append(x)
+    return points
+
+
+def swings(
+    flow: ReturnMap, points: Sequence[np.ndarray], frequency: np.ndarray, amplitude: float
+) -> np.ndarray:
+    """(k, probes, samples) [m] of the period that begins at each of k points, at frequencies (k,)
+    [rad/s]; NaN where a point is.
+    """
+    return np.stack([_swing(flow, x, omega, amplitude) for x, omega in zip(points, frequency)])
 
 
 def _swing(flow: ReturnMap, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
-    """(probes, samples) [m] of the period that begins at x."""
-    (swing,) = flow.swings(x[None], np.array([frequency]), np.array([amplitude]))
-    return swing.displacement
+    """(probes, samples) [m] of one; a lost one has the shape of rest."""
+    known = np.isfinite(x).all()
+    start, force = (x, amplitude) if known else (np.zeros(flow.size), 0.0)
+    (swing,) = flow.swings(start[None], np.array([frequency]), np.array([force]))
+    return swing.displacement if known else np.full_like(swing.displacement, np.nan)

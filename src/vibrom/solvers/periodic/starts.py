@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibrom.solvers.periodic.carried import swept
 from vibrom.solvers.periodic.continuation import Lost
 from vibrom.solvers.periodic.maps import ReturnMap
 from vibrom.solvers.periodic.resonance import backbone
@@ -31,18 +32,5 @@ def from_sweeps(
     return [
         (x, omega)
         for frequencies in (frequency, frequency[::-1])
-        for x, omega in zip(swept(flow, frequencies, amplitude, periods, 0), frequencies.tolist())
+        for x, omega in zip(swept(flow, frequencies, amplitude, periods), frequencies.tolist())
     ]
-
-
-def swept(
-    flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int, settle: int
-) -> list[np.ndarray]:
-    """Points (m,) after so many periods at each frequency (k,) in this order, each carried on from
-    the one before; the first begins from rest and takes `settle` periods more.
-    """
-    x, points = np.zeros(flow.size), []
-    for number, omega in enumerate(frequency.tolist()):
-        x = flow.after(x, omega, amplitude, periods + (0 if number else settle))
-        points.append(x)
-    return points
