@@ -7,10 +7,16 @@ import pytest
 import xarray as xr
 from oscillators import DAMPING, OMEGA, linear_rom
 
-from vibrom.experiments import response
 from vibrom.experiments.backbone import peak_finding_and_fitting
 from vibrom.experiments.decay import Decay
-from vibrom.models.measures import backbone_error, crossings, curve_error, nmte_percent, periodic
+from vibrom.models.measures import (
+    backbone_error,
+    crossings,
+    curve_error,
+    nmte_percent,
+    periodic,
+    response_variables,
+)
 from vibrom.models.recorded import differences
 from vibrom.models.rollout import Drive, Integrator, rollout
 
@@ -174,7 +180,7 @@ def test_leaving_the_training_range_is_said_and_the_run_goes_on():
 def test_what_a_response_shows_keeps_its_two_sides_apart():
     """y = 1 + 2 sin t is largest at 3 and smallest at -1, in phase with the forcing."""
     angle = 2 * np.pi * np.arange(400) / 400
-    found = response(("probe",), periodic(1.0 + 2.0 * np.sin(angle)[None]))
+    found = response_variables(("probe",), periodic(1.0 + 2.0 * np.sin(angle)[None]))
     values = {name: item.values.item() for name, item in found.items()}
     assert values == pytest.approx(
         {"amplitude": 3.0, "minimum": -1.0, "half_range": 2.0, "phase": 0.0}, abs=1e-12

@@ -29,9 +29,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
-from vibrom.models.measures import Periodic
 from vibrom.models.model import Model
 
 
@@ -109,22 +107,6 @@ def experiment(name: str, settings: Mapping[str, Any] | None = None) -> Experime
 
 class ExperimentError(ValueError):
     """An experiment that is not what its folder promises; the message names the cure."""
-
-
-def response(dims: tuple[str, ...], shown: Periodic) -> dict[str, xr.Variable]:
-    """What the last period of a response shows: `amplitude`, the largest value, `minimum` and
-    `half_range` [m], and the `phase` [rad] of the first harmonic relative to the forcing.
-    """
-    return {
-        "amplitude": variable(dims, shown.maximum, "m", "largest value of the last period"),
-        "minimum": variable(dims, shown.minimum, "m", "smallest value of the last period"),
-        "half_range": variable(
-            dims, shown.half_range, "m", "half the range of the last period, peak to peak"
-        ),
-        "phase": variable(
-            dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
-        ),
-    }
 
 
 def at_rest(model: Model, runs: int = 1) -> np.ndarray:

@@ -14,9 +14,8 @@ import xarray as xr
 
 from vibrom.config.kinds import Count, NonNegative, Positive, Turn, Whole
 from vibrom.experiments import Experiment, Given
-from vibrom.models.curves import difference
 from vibrom.models.model import Model
-from vibrom.models.motions import curve_of, motions
+from vibrom.models.motions import errors, motions
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_frequency
 from vibrom.solvers.periodic.response import Near, Span
@@ -77,17 +76,4 @@ class Branches(Experiment):
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds and peaks, and how far its branches are off."""
-        curve = curve_of(answer)
-        off = difference(curve, curve_of(truth))
-        wrong = answer["stable_motions"].values != truth["stable_motions"].values
-        return {
-            "folds": float(len(curve.folds)),
-            "fold_frequency_error_percent": off.fold_parameter,
-            "fold_amplitude_error_percent": off.fold_amplitude,
-            "peak_frequency_error_percent": off.peak_parameter,
-            "peak_error_percent": off.peak_amplitude,
-            "bistable_width_error_percent": off.bistable_width,
-            "stable_amplitude_error_percent": off.stable_amplitude,
-            "unstable_amplitude_error_percent": off.unstable_amplitude,
-            "wrong_stable_motions": float(wrong.sum()),
-        }
+        return errors(answer, truth, "frequency")

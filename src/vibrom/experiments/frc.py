@@ -13,9 +13,9 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Tolerance
-from vibrom.experiments import Experiment, Given, at_rest, response
+from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.balance import balance_variable, checked
-from vibrom.models.measures import curve_error, periodic
+from vibrom.models.measures import curve_error, periodic, response_variables
 from vibrom.models.model import Drive, Model, Watch
 from vibrom.models.steady import change, change_variable, judged, strobe
 
@@ -61,7 +61,7 @@ class ResponseCurve(Experiment):
         shown = periodic(np.roll(run.displacement[0].transpose(2, 0, 1), 1, axis=-1))
         dims, point = ("probe", "angular_frequency"), "angular_frequency"
         answer = {
-            **response(dims, shown),
+            **response_variables(dims, shown),
             "forcing": variable((), float(self.forcing), "1", "amplitude, times the scene's load"),
             **balance_variable(point, run.balance),
             **outcome_variables(Outcome.OK, seconds=run.seconds),

@@ -14,8 +14,8 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive
-from vibrom.experiments import Experiment, Given, response
-from vibrom.models.measures import curve_error, periodic
+from vibrom.experiments import Experiment, Given
+from vibrom.models.measures import curve_error, periodic, response_variables
 from vibrom.models.model import Model
 from vibrom.models.training import Unsupported
 from vibrom.solvers.periodic.carried import swept, swings
@@ -59,7 +59,7 @@ class MeasuredResponse(Experiment):
         shown = periodic(swing)
         point = "response"
         answer = {
-            **response((point,), shown),
+            **response_variables((point,), shown),
             "angular_frequency": variable(point, frequency, "rad s-1", "of the load"),
             "measured_amplitude": known["response_amplitude"].variable,
             "forcing": variable((), force, "1", "amplitude, times the scene's load"),

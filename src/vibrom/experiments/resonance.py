@@ -17,8 +17,8 @@ from scipy.sparse import csr_matrix
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Turn
-from vibrom.experiments import Experiment, Given, response
-from vibrom.models.measures import backbone_error, periodic
+from vibrom.experiments import Experiment, Given
+from vibrom.models.measures import backbone_error, periodic, response_variables
 from vibrom.models.model import Model
 from vibrom.models.recorded import structure
 from vibrom.models.training import Unsupported
@@ -111,7 +111,7 @@ def _variables(
         "multiplier_largest": variable(
             "point", largest, "1", "size of the largest Floquet multiplier"
         ),
-        **response(("probe", "point"), periodic(swing)),
+        **response_variables(("probe", "point"), periodic(swing)),
         "outcome": variable("point", words, "1", "how the curve ended there"),
         "failed_at": variable("point", np.full(len(words), np.nan), "s", "unused"),
     }

@@ -14,9 +14,8 @@ import xarray as xr
 
 from vibrom.config.kinds import Count, NonNegative, Positive, Turn
 from vibrom.experiments import Experiment, Given
-from vibrom.models.curves import difference
 from vibrom.models.model import Model
-from vibrom.models.motions import curve_of, motions
+from vibrom.models.motions import errors, motions
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_amplitude
 from vibrom.solvers.periodic.response import Span
@@ -63,15 +62,5 @@ class SCurve(Experiment):
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds, and how far its branches are off."""
-        curve = curve_of(answer)
-        off = difference(curve, curve_of(truth))
-        wrong = answer["stable_motions"].values != truth["stable_motions"].values
-        return {
-            "folds": float(len(curve.folds)),
-            "fold_forcing_error_percent": off.fold_parameter,
-            "fold_amplitude_error_percent": off.fold_amplitude,
-            "bistable_width_error_percent": off.bistable_width,
-            "stable_amplitude_error_percent": off.stable_amplitude,
-            "unstable_amplitude_error_percent": off.unstable_amplitude,
-            "wrong_stable_motions": float(wrong.sum()),
-        }
+        found = errors(answer, truth, "forcing")
+        return {name: found[name] for name in self.scores}

@@ -14,8 +14,8 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Whole
-from vibrom.experiments import Experiment, Given, response
-from vibrom.models.measures import curve_error, periodic
+from vibrom.experiments import Experiment, Given
+from vibrom.models.measures import curve_error, periodic, response_variables
 from vibrom.models.model import Model
 from vibrom.solvers.periodic.carried import swept, swings
 from vibrom.solvers.periodic.equations import prepare
@@ -71,7 +71,7 @@ class Sweeps(Experiment):
         finite = np.isfinite(shown.maximum).all(axis=-1)
         dims, point = ("direction", "angular_frequency", "probe"), "angular_frequency"
         answer = {
-            **response(dims, shown),
+            **response_variables(dims, shown),
             "jump_frequency": variable(
                 ("direction", "side"), jumps, "rad s-1", "frequencies between which it jumps"
             ),

@@ -7,6 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
+
+from vibrom.artefacts.data import variable
 
 
 def nmte_percent(truth: np.ndarray, model: np.ndarray) -> float:
@@ -43,6 +46,25 @@ def periodic(samples: np.ndarray) -> Periodic:
     phase = np.angle(1j * harmonic)  # sin(x) = Im e^ix: its own harmonic is -i m / 2
     phase = np.where(phase > 0.0, phase - 2 * np.pi, phase)
     return Periodic(samples.max(axis=-1), samples.min(axis=-1), phase)
+
+
+def response_variables(
+    dims: tuple[str, ...], shown: Periodic, largest: str = "amplitude"
+) -> dict[str, xr.Variable]:
+    """What a period of a response shows, as an artefact keeps it: the largest value, under the name
+    `largest`, `minimum` and `half_range` [m], and the `phase` [rad] of the first harmonic relative
+    to the forcing.
+    """
+    return {
+        largest: variable(dims, shown.maximum, "m", "largest value of the period"),
+        "minimum": variable(dims, shown.minimum, "m", "smallest value of the period"),
+        "half_range": variable(
+            dims, shown.half_range, "m", "half the range of the period, peak to peak"
+        ),
+        "phase": variable(
+            dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
+        ),
+    }
 
 
 @dataclass(frozen=True)

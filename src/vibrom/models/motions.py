@@ -12,8 +12,8 @@ import xarray as xr
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
-from vibrom.models.curves import Curve
-from vibrom.models.measures import periodic
+from vibrom.models.curves import Curve, difference
+from vibrom.models.measures import periodic, response_variables
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import Along, prepare
@@ -76,6 +76,26 @@ def curve_of(answer: xr.Dataset, amplitude: np.ndarray | None = None) -> Curve:
     return Curve(branch, varies, shown, stable.astype(bool), kind.astype(str))
 
 
+def errors(answer: xr.Dataset, truth: xr.Dataset, varies: str) -> dict[str, float]:
+    """Where and how high a curve of motions folds and peaks, and how far its branches are off, by
+    the names of scores; `varies` is what their names call the parameter.
+    """
+    curve = curve_of(answer)
+    off = difference(curve, curve_of(truth))
+    wrong = answer["stable_motions"].values != truth["stable_motions"].values
+    return {
+        "folds": float(len(curve.folds)),
+        f"fold_{varies}_error_percent": off.fold_parameter,
+        "fold_amplitude_error_percent": off.fold_amplitude,
+        f"peak_{varies}_error_percent": off.peak_parameter,
+        "peak_error_percent": off.peak_amplitude,
+        "bistable_width_error_percent": off.bistable_width,
+        "stable_amplitude_error_percent": off.stable_amplitude,
+        "unstable_amplitude_error_percent": off.unstable_amplitude,
+        "wrong_stable_motions": float(wrong.sum()),
+    }
+
+
 def _driven(curve: Along, found: list[Found]) -> dict[str, xr.Variable]:
     """Frequency and amplitude of the forcing: of each motion what varies, and one number."""
     drives = np.array([curve.drive(item.orbit.p) for item in found]).T
@@ -95,14 +115,7 @@ def _shown(found: list[Found]) -> dict[str, xr.Variable]:
     harmonic[..., 1:] *= 2.0
     return {
         "branch": variable("point", [item.branch for item in found], "1", "number of the branch"),
-        "maximum": variable(dims, shown.maximum, "m", "largest value of a period"),
-        "minimum": variable(dims, shown.minimum, "m", "smallest value of a period"),
-        "half_range": variable(
-            dims, shown.half_range, "m", "half the range of a period, peak to peak"
-        ),
-        "phase": variable(
-            dims, shown.phase, "rad", "phase of the first harmonic relative to the forcing"
-        ),
+        **response_variables(dims, shown, largest="maximum"),
         "harmonic_amplitude": variable(
             (*dims, "harmonic"), harmonic, "m", "amplitude of each harmonic of the forcing"
         ),

@@ -8,6 +8,13 @@ from vibrom.models.motions import curve_of
 from vibrom.models.recorded import damped_frequency
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe
 
+ERRORS = {  # headings of the scores that all curves with branches have
+    "bistable_width_error_percent": "Bistable width [%]",
+    "stable_amplitude_error_percent": "Stable parts [%]",
+    "unstable_amplitude_error_percent": "Unstable parts [%]",
+    "wrong_stable_motions": "Wrong number of stable motions [–]",
+}
+
 
 def curve(dataset: xr.Dataset | None) -> Curve | None:
     """The periodic motions of an answer, at the probe; None where there is no motion."""

@@ -13,6 +13,7 @@ ends and folds on every branch as the full order's.
 
 import numpy as np
 
+from vibrom.report import branches
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
@@ -25,10 +26,7 @@ ERRORS = {
     "fold_amplitude_error_percent": "Fold amplitude [%]",
     "peak_frequency_error_percent": "Peak frequency [%]",
     "peak_error_percent": "Peak [%]",
-    "bistable_width_error_percent": "Bistable width [%]",
-    "stable_amplitude_error_percent": "Stable parts [%]",
-    "unstable_amplitude_error_percent": "Unstable parts [%]",
-    "wrong_stable_motions": "Wrong number of stable motions [–]",
+    **branches.ERRORS,
 }
 COLUMNS = (
     CASE,

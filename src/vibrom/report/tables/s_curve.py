@@ -12,6 +12,7 @@ them: it counts as infinitely wrong. Medians over seeds, smallest and largest in
 
 import numpy as np
 
+from vibrom.report import branches
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
@@ -27,10 +28,7 @@ FOUND = {
 ERRORS = {
     "fold_forcing_error_percent": "Fold forcing [%]",
     "fold_amplitude_error_percent": "Fold amplitude [%]",
-    "bistable_width_error_percent": "Bistable width [%]",
-    "stable_amplitude_error_percent": "Stable parts [%]",
-    "unstable_amplitude_error_percent": "Unstable parts [%]",
-    "wrong_stable_motions": "Wrong number of stable motions [–]",
+    **branches.ERRORS,
 }
 COLUMNS = (
     CASE,
