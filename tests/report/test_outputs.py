@@ -118,7 +118,7 @@ def test_two_figures_of_one_name_are_refused(package):
         ("figures/decay.py", "4.4, 1.65", "4.4, 1.66", {("figures", "models")}),
         ("figures/decay.py", "The vertical axis", "The y axis", set()),  # a caption: the page alone
         ("tables/guards.py", '"Guard"', '"With guard"', {("tables", "robustness")}),
-        ("page.py", "400_000", "500_000", {"report"}),
+        ("page.py", "HEAVY = ", "HEAVY = 2 * ", {"report"}),
     ],
 )
 def test_an_edit_remakes_its_family_alone(package, file, old, new, runs):
