@@ -8,7 +8,7 @@ from scenes import LINEAR, UNDAMPED
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.bodies.files.content import EDGES
-from vibrom.config.files import digest
+from vibrom.config.digest import digest
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError
 

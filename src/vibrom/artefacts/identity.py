@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.files import DataError
-from vibrom.config.files import digest
+from vibrom.config.digest import digest
 from vibrom.config.places import FULL_ORDER, UNSEEDED
 
 FITTED_ONCE = -1  # the attribute `seed` of what is made without one

@@ -19,8 +19,8 @@ from vibrom.bodies.elements import KINDS, bases
 from vibrom.bodies.files import read
 from vibrom.bodies.space import Probe, Space, dofs_of, movable, numbered
 from vibrom.bodies.topology import body_of, facets_of, meshed, points_of
+from vibrom.config.digest import digest
 from vibrom.config.errors import closest
-from vibrom.config.files import digest
 from vibrom.config.kinds import Distinct, ElementOrder, Group, MeshFile, Name, NonNegative
 from vibrom.term import SceneError
 

@@ -5,7 +5,6 @@ are always text. Leading zeros, which other readers take for octal numbers, make
 """
 
 import re
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -44,11 +43,6 @@ def read(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise SettingsError(path, "file", None, "holds no `key: value` pairs; write some")
     return content
-
-
-def digest(path: Path) -> str:
-    """Of what a file holds."""
-    return sha256(path.read_bytes()).hexdigest()[:16]
 
 
 def plain(text: str) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 
 from vibrom.config import files, plugs, recorded
 from vibrom.config.check import checked
+from vibrom.config.digest import digest
 from vibrom.config.errors import SettingsError
 from vibrom.config.layers import Layers, Sources
 from vibrom.config.method_file import MethodFile
@@ -94,7 +95,7 @@ def _mesh_file(layers: Layers, folder: Path, mesh: str) -> dict[str, str]:
     """Where a mesh lies, and the digest of what it holds: another mesh is another scene."""
     path = folder / mesh
     try:
-        found = files.digest(path)
+        found = digest(path)
     except OSError as error:
         cure = f"cannot be read ({error.strerror}); put the file beside the scene's, in {folder}"
         layers.refuse(("body", "mesh"), mesh, cure)

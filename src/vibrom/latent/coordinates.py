@@ -92,7 +92,9 @@ def principal(q: np.ndarray, count: int, smallest: float = 0.0) -> np.ndarray:
     """The first proper orthogonal directions (n, count) of samples (m, n), or as many as have a
     singular value of at least `smallest`.
     """
-    _, values, directions = np.linalg.svd(q, full_matrices=False)
+    # Samples are many more than displacements, and their left vectors are not wanted: q = Q R has
+    # the singular values and directions of R.
+    _, values, directions = np.linalg.svd(np.linalg.qr(q, mode="r"), full_matrices=False)
     directions = directions[:count][values[:count] >= smallest]
     # The sign of a singular vector is the library's choice; the largest entry is made positive.
     largest = np.abs(directions).argmax(axis=1)
