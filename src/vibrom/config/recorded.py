@@ -81,8 +81,8 @@ class Preparation(Block, frozen=True):
     harmonics: Whole = 0
     # s, where the slow motion begins; none: where the rule finds it
     start: NonNegative | None = None
-    # of the acceleration's power away from multiples of the first frequency: where the slow motion
-    # begins there is no more, or no more than twice the least
+    # of the acceleration's power, that dynamics fitted to what follows do not explain: where the
+    # slow motion begins there is no more, or no more than four times the least
     fast_share: Positive = 1e-4
     # instants whose samples make a state, an odd number; none: five observables in all (Takens)
     delays: Count | None = None

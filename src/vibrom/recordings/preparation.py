@@ -131,9 +131,9 @@ def motion_of(
 ) -> tuple[Prepared, dict[str, float]]:
     """Filtered and differentiated, from where the slow motion begins; and the filter's setting."""
     step = samples.step
-    (q, v, a), lost, found = differentiated(samples.values, step, frequency, settings.filter, kept)
-    time = samples.time[lost : lost + len(q)]
-    slow = begins(a, step, frequency, settings.fast_share)
+    states, lost, found = differentiated(samples.values, step, frequency, settings.filter, kept)
+    time = samples.time[lost : lost + len(states[0])]
+    slow = begins(states, step, frequency, settings.fast_share)
     begin = slow.begin + time[0] if settings.start is None else settings.start
     later = time >= begin - 1e-9
     if later.sum() < 2 / (frequency * step):
@@ -143,7 +143,7 @@ def motion_of(
         )
     rule = "by the rule" if settings.start is None else "as set"
     notes = (*samples.notes, f"slow motion from {time[later][0]:.4g} s ({rule})")
-    motion = Trajectory(time[later], q[later], v[later], a[later])
+    motion = Trajectory(time[later], *(part[later] for part in states))
     return Prepared(samples.where, samples.role, motion, slow, notes), found
 
 

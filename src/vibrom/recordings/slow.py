@@ -1,49 +1,74 @@
 """Where the slow manifold begins: where the fast motion has died out.
 
-    share(t) = (power of the acceleration away from multiples of f_1) / (all of its power)
+On the manifold, the accelerations of all channels are functions of the slow coordinate z and its
+velocity. These are fitted, as polynomials, to all that follows a period of the recording, and the
+period is judged by what they leave of it:
 
-over a window of eight periods from t on (Blackman); away means farther than 3 f_1/8 from every
-multiple, which is as far as such a window spreads a line: of a decay it leaves some 1e-6.
-f_1 is the highest line of that window near the first frequency, which moves with the amplitude. The
-acceleration is what dynamics are fitted to, and shows fast motion most. The slow motion begins
-where the share first is no more than a limit, or no more than twice the least that it ever is:
-noise keeps it from falling farther.
+    share = sum_c |a_c - F_c(z, z')|^2 / sum_c |omega^2 q_c|^2,    z = phi'q,
+
+omega the first frequency, phi the first proper orthogonal direction of the displacements q. A fast motion is no function of
+the slow state, even where its frequency is a multiple of the first one. Of the degrees 3, 5 and 7
+the one counts that leaves least. The slow motion begins where the share first is no more than a
+limit, or no more than four times the least that it ever is (twice, in amplitude): noise keeps it
+from falling farther.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal.windows import blackman
 
-WINDOW = 8  # periods: a line of a Blackman window is three of their eighths wide on each side
-AWAY = 0.375  # of the first frequency
-TWICE = 2.0
+from vibrom.latent.coordinates import principal
+from vibrom.latent.polynomial import exponents, monomials
+
+DEGREES = (3, 5, 7)
+FOLLOW = 8  # periods at least, that the polynomials are fitted to
+SMALLEST = 0.05  # of the largest amplitude: below, samples weigh no more
+LEAST = 4.0  # times the least share
 
 
 @dataclass(frozen=True)
 class Slow:
     """The share of fast motion over time, and where the slow motion begins."""
 
-    instant: np.ndarray  # (k,) s after the first sample, of the beginning of each window
-    share: np.ndarray  # (k,) of the power
+    instant: np.ndarray  # (k,) s after the first sample, of the beginning of each period
+    share: np.ndarray  # (k,) of the power of omega^2 q
     limit: float  # that the share is no more than
     begin: float  # s after the first sample
 
 
-def begins(acceleration: np.ndarray, step: float, frequency: float, limit: float) -> Slow:
-    """Of acceleration (m, c), sampled at `step` [s], with this first frequency [Hz]."""
-    period = max(1, round(1.0 / (frequency * step)))
-    length = min(WINDOW * period, len(acceleration))
-    whole, window = range(0, len(acceleration) - length + 1, period), blackman(length, sym=False)
-    parts = np.stack([acceleration[first : first + length] for first in whole])
-    spectra = (np.abs(np.fft.rfft(parts * window[:, None], axis=1)) ** 2).sum(axis=-1)
-    lines = np.fft.rfftfreq(length, step) / frequency
-    near_first = np.where((lines > 0.5) & (lines < 1.5), spectra, 0.0)
-    own = lines / lines[near_first.argmax(axis=1)][:, None]  # (k, f) of each window
-    away = np.abs(own - np.round(own)) > AWAY
-    share = (spectra * away).sum(axis=1) / spectra.sum(axis=1)
-    allowed = max(limit, TWICE * float(share.min()))
-    instant = step * np.array(whole)
+def begins(
+    motion: tuple[np.ndarray, np.ndarray, np.ndarray], step: float, frequency: float, limit: float
+) -> Slow:
+    """Of displacement, velocity and acceleration (m, c), sampled at `step` [s], with this first
+    frequency [Hz].
+    """
+    length = max(1, round(1.0 / (frequency * step)))
+    q, v, a = motion
+    phi, slow = principal(q, 1), (2.0 * np.pi * frequency) ** 2 * q
+    y = np.concatenate([part @ phi / np.abs(part @ phi).max() for part in (q, v)], axis=1)
+    left = np.min([[*_left(y, a, length, degree)][::-1] for degree in DEGREES], axis=0)
+    there = [(part**2).sum() for part in np.split(slow, range(length, len(q), length))]
+    share = left / there[: len(left)]
+    allowed = max(limit, LEAST * float(share.min()))
+    instant = step * length * np.arange(len(share))
     return Slow(instant, share, allowed, float(instant[np.argmax(share <= allowed)]))
+
+
+def _left(y: np.ndarray, a: np.ndarray, length: int, degree: int) -> Iterator[float]:
+    """What polynomials of this degree leave of |a|^2 (m, c), in each period from the last one that
+    is judged to the first.
+    """
+    library = monomials(y, exponents(2, 1, degree))
+    weight = 1.0 / np.maximum(np.linalg.norm(y, axis=1, keepdims=True), SMALLEST)
+    rows, terms = weight * np.hstack([library, a]), library.shape[1]
+    periods = len(y) // length
+    first = periods - min(FOLLOW, periods // 2)
+    triangle = np.linalg.qr(rows[first * length :], mode="r")
+    for period in reversed(range(first)):
+        own = slice(period * length, (period + 1) * length)
+        fitted = np.linalg.lstsq(triangle[:, :terms], triangle[:, terms:], rcond=None)[0]
+        yield float(((a[own] - library[own] @ fitted) ** 2).sum())
+        triangle = np.linalg.qr(np.vstack([triangle, rows[own]]), mode="r")

@@ -200,9 +200,9 @@ def slow_variables(items: list[Prepared]) -> Variables:
         padded[:, row, : len(item.slow.share)] = item.slow.instant, item.slow.share
     dims = ("recording", "window")
     return {
-        "window_instant": variable(dims, padded[0], "s", "beginning of a window of eight periods"),
+        "window_instant": variable(dims, padded[0], "s", "beginning of each period"),
         "fast_share": variable(
-            dims, padded[1], "1", "share of the acceleration's power away from multiples of f_1"
+            dims, padded[1], "1", "share of the acceleration's power that the slow dynamics leave"
         ),
         "fast_limit": variable(
             "recording", [item.slow.limit for item in items], "1", "limit of the share"

@@ -1,11 +1,11 @@
 """Where the slow motion of a recording begins
 
 Above, the first channel of each recording as it is used: filtered, measured from rest, and from
-where the slow motion begins. Below, on which that is founded: the share of the acceleration's power
-that is farther than 3/8 of the first frequency from all of its multiples, in windows of eight
-periods from the instant drawn on (time in the recording after what the filter leaves out). The
-dashed line is the limit, and the vertical one where the share first is within it. A start that is
-set (`preparation.start`) takes the place of the rule's.
+where the slow motion begins. Below, what that follows from: of each period, the share of the
+acceleration's power that is left by slow dynamics (polynomials of the slow coordinate and its
+velocity) which are fitted to all later periods. The horizontal axis is time in the recording,
+without what the filter leaves out. The dashed line is the limit; the vertical line is where the
+share first is within it. A start that is set (`preparation.start`) replaces the rule's.
 """
 
 import json
