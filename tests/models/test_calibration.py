@@ -1,5 +1,7 @@
 """The strength of a load from one response, against the closed form and against motion in time."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,12 @@ def test_a_hardening_oscillator_driven_so_strongly_swings_as_far_as_was_measured
 def test_a_load_that_moves_nothing_cannot_be_calibrated():
     with pytest.raises(Unsupported, match="does not move the first coordinate"):
         Calibration(9.0, 0.1, dof=0).strength(oscillator(0.0), np.array([0.0, 1.0]))
+
+
+def test_a_channel_that_does_not_move_calibrates_nothing():
+    still = replace(oscillator(0.0), decoder=np.kron(np.eye(2), [[1.0], [0.0]]))
+    with pytest.raises(Unsupported, match="channel does not move with the model's first"):
+        Calibration(9.0, 0.1, dof=1).strength(still, np.array([1.0, 0.0]))
 
 
 def test_a_motion_that_does_not_balance_calibrates_nothing(monkeypatch):

@@ -18,10 +18,11 @@ def curve(path, frequency=FREQUENCY, amplitude=AMPLITUDE, **entries):
 
 
 def test_a_curve_is_in_si_units_in_the_order_of_the_sweep(tmp_path):
-    frequency, amplitude, channel = curve(tmp_path, unit="Hz", channel="right")
+    frequency, amplitude, channel, numbers = curve(tmp_path, unit="Hz", channel="right")
     np.testing.assert_allclose(frequency, 2 * np.pi * np.array([3.0, 5.0, 4.0]))
     np.testing.assert_allclose(amplitude, [1e-3, 4e-3, 3e-3])
     assert channel == 1
+    np.testing.assert_array_equal(numbers, [1, 2, 4])
 
 
 @pytest.mark.parametrize(
@@ -37,10 +38,14 @@ def test_a_wrong_curve_is_one_line(tmp_path, changes, says):
         curve(tmp_path, **changes)
 
 
-def test_points_are_counted_from_one_and_zero_is_the_largest():
-    assert [point(number, AMPLITUDE, "it") for number in (0, 1, 3, 4)] == [1, 0, 2, 3]
-    with pytest.raises(DataError, match="it: calibrate = 5, but there are 4 points"):
-        point(5, AMPLITUDE, "it")
+def test_points_are_counted_as_the_file_has_them_and_zero_is_the_largest(tmp_path):
+    """The third one has no frequency: it is left out, and the fourth keeps its number."""
+    _, amplitude, _, numbers = curve(tmp_path)
+    found = [point(number, amplitude, numbers, "it") for number in (0, 1, 4)]
+    assert found == [1, 0, 2]
+    for number in (3, 5):
+        with pytest.raises(DataError, match=f"it: calibrate = {number} is no point with"):
+            point(number, amplitude, numbers, "it")
 
 
 @pytest.mark.parametrize(

@@ -64,8 +64,9 @@ class Forcing(Block, frozen=True):
     # that it gives the channel, m/s2; none: all channels alike, the strength from `response`
     load: tuple[float, ...] | None = None
     response: Response | None = None  # a measured response curve, which models are compared with
-    calibrate: Whole = 0  # of the response, counted from one: its point that tells the strength; 0:
+    # the point of the response that tells the strength: its number in the file, from one; 0: that of
     # the largest amplitude
+    calibrate: Whole = 0
 
 
 class Preparation(Block, frozen=True):

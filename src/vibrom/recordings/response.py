@@ -14,8 +14,10 @@ RADIANS = {"rad/s": 1.0, "Hz": 2.0 * np.pi}
 
 def response(
     given: Response, names: tuple[str, ...], metres: float
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """(frequencies (k,) [rad/s], amplitudes (k,) [m], number of the channel)."""
+) -> tuple[np.ndarray, np.ndarray, int, np.ndarray]:
+    """(frequencies (k,) [rad/s], amplitudes (k,) [m], number of the channel, numbers (k,) of the
+    points in the file, from one); points without a number are left out.
+    """
     frequency, amplitude = (
         files.array(given.file, name).ravel() for name in (given.frequency, given.amplitude)
     )
@@ -31,11 +33,18 @@ def response(
     if channel not in names:
         raise DataError(f"forcing.response.channel = {channel!r}: {closest(channel, names)}")
     omega = frequency[known] * RADIANS[given.unit]
-    return omega, amplitude[known] * metres, names.index(channel)
+    return omega, amplitude[known] * metres, names.index(channel), np.flatnonzero(known) + 1
 
 
-def point(number: int, amplitude: np.ndarray, where: str) -> int:
-    """The point that calibrates, from zero: that of the largest amplitude for number 0."""
-    if number > len(amplitude):
-        raise DataError(f"{where}: calibrate = {number}, but there are {len(amplitude)} points")
-    return number - 1 if number else int(amplitude.argmax())
+def point(number: int, amplitude: np.ndarray, numbers: np.ndarray, where: str) -> int:
+    """The point that calibrates, among those with amplitudes (k,); `number` counts the points of
+    the file from one, 0 means that of the largest amplitude.
+    """
+    if number == 0:
+        return int(amplitude.argmax())
+    if number not in numbers:
+        raise DataError(
+            f"{where}: calibrate = {number} is no point with a frequency and an amplitude; choose "
+            f"one of the {len(numbers)} from {numbers[0]} to {numbers[-1]}, or 0 for the largest"
+        )
+    return int(np.searchsorted(numbers, number))

@@ -118,14 +118,14 @@ def entries(matrix: np.ndarray, what: str, units: str) -> Variables:
 
 def response_of(forcing: Forcing, decays: Decays, metres: float) -> Variables:
     """The measured response curve, and its point that tells how strong an unknown load is."""
-    frequency, amplitude, channel = response(forcing.response, decays.names, metres)
+    frequency, amplitude, channel, numbers = response(forcing.response, decays.names, metres)
     variables = {
         "response_frequency": variable("response", frequency, "rad s-1", "frequency of the load"),
         "response_amplitude": variable("response", amplitude, "m", "measured amplitude"),
         "response_dof": variable((), decays.probes[channel], "1", "displacement of the amplitude"),
     }
     if forcing.load is None:
-        at = point(forcing.calibrate, amplitude, forcing.response.file)
+        at = point(forcing.calibrate, amplitude, numbers, forcing.response.file)
         variables["calibration_point"] = variable(
             (), at, "1", "point that tells the strength of the load, from zero"
         )
