@@ -55,8 +55,9 @@ def load(
     length_unit: str = "m",
     **settings: Any,
 ) -> Recorded:
-    """The motions in CSV, NumPy, MATLAB or netCDF files: the last one is for tests, the others are
-    for training; a single one is cut in the middle. `settings` are those of
+    """The motions in CSV, NumPy, MATLAB or netCDF files: the last one is for tests, or the one
+    before it where the last swings farthest, and the others are for training; a single one is cut
+    in the middle. `settings` are those of
     `vibrom.config.recorded.Preparation`: `start`, `filter`, `delays`, ...
     """
     for name, unit, known in (

@@ -49,6 +49,13 @@ def test_files_of_one_decay_each(here, monkeypatch, capsys):
     assert "3 recordings, first frequency 5.0" in said and "30 periods of" in said
 
 
+def test_the_recording_that_swings_farthest_is_learnt_from(here, monkeypatch):
+    for name, start in (("a.csv", 0.5), ("b.csv", 0.8), ("c.csv", 1.0)):
+        csv(here / name, start)
+    record(monkeypatch, "a.csv", "b.csv", "c.csv", "--out", "config/scenes/mine.yaml")
+    assert [item.role for item in scene(here).recordings] == ["train", "test", "train"]
+
+
 @pytest.mark.parametrize("began", [0.0, 1.7e12])  # ms: also of a clock that counts from 1970
 def test_one_decay_is_cut_in_the_middle(here, monkeypatch, began):
     csv(here / "a.csv", 1.0, began)

@@ -64,8 +64,8 @@ class Forcing(Block, frozen=True):
     # that it gives the channel, m/s2; none: all channels alike, the strength from `response`
     load: tuple[float, ...] | None = None
     response: Response | None = None  # a measured response curve, which models are compared with
-    # the point of the response that tells the strength: its number in the file, from one; 0: that of
-    # the largest amplitude
+    # number of the response's point that tells the strength, as the file counts them from one; 0:
+    # that of the largest amplitude
     calibrate: Whole = 0
 
 

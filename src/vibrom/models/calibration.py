@@ -66,7 +66,9 @@ class Calibration:
         step = np.eye(size)[0] * unit[0]
         per_coordinate = (probe(step) - probe(-step)) / (2.0 * unit[0])
         if per_coordinate == 0.0:
-            raise Unsupported("the measured channel does not move with the model's first coordinate")
+            raise Unsupported(
+                "the measured channel does not move with the model's first coordinate"
+            )
         swing = self.amplitude / abs(per_coordinate)
         scale = np.repeat([swing, swing * self.frequency], d)
         first, guess = self._guess(rom, load, swing)

@@ -6,11 +6,12 @@ period is judged by what they leave of it:
 
     share = sum_c |a_c - F_c(z, z')|^2 / sum_c |omega^2 q_c|^2,    z = phi'q,
 
-omega the first frequency, phi the first proper orthogonal direction of the displacements q. A fast motion is no function of
-the slow state, even where its frequency is a multiple of the first one. Of the degrees 3, 5 and 7
-the one counts that leaves least. The slow motion begins where the share first is no more than a
-limit, or no more than four times the least that it ever is (twice, in amplitude): noise keeps it
-from falling farther.
+omega the first frequency, phi the first proper orthogonal direction of the displacements q. A fast
+motion is no function of the slow state, even where its frequency is a multiple of the first one. Of
+the degrees 3, 5 and 7 the one counts that leaves least. The slow motion begins where the share
+first is no more than a limit, or no more than four times the least that it ever is (twice, in
+amplitude): noise keeps it from falling farther. Of a motion so strongly nonlinear that no such
+polynomial describes its beginning, the rule leaves that out.
 """
 
 from __future__ import annotations
@@ -66,9 +67,9 @@ def _left(y: np.ndarray, a: np.ndarray, length: int, degree: int) -> Iterator[fl
     rows, terms = weight * np.hstack([library, a]), library.shape[1]
     periods = len(y) // length
     first = periods - min(FOLLOW, periods // 2)
-    triangle = np.linalg.qr(rows[first * length :], mode="r")
+    triangle = np.linalg.qr(rows[first * length :]).R
     for period in reversed(range(first)):
         own = slice(period * length, (period + 1) * length)
         fitted = np.linalg.lstsq(triangle[:, :terms], triangle[:, terms:], rcond=None)[0]
         yield float(((a[own] - library[own] @ fitted) ** 2).sum())
-        triangle = np.linalg.qr(np.vstack([triangle, rows[own]]), mode="r")
+        triangle = np.linalg.qr(np.vstack([triangle, rows[own]])).R

@@ -1,7 +1,8 @@
 """The file of a scene for recordings that nobody has described yet: `vibrom record FILE ...`.
 
 What is in the files is found by their names and shapes; what cannot be found is a comment to be
-read. The last recording is for tests, the others for training; a single one is cut in the middle.
+read. The last recording is for tests, or the one before it where the last swings farthest: models
+predict what lies within what they have learnt from. A single recording is cut in the middle.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def written(paths: list[Path], out: Path) -> str:
     lines = [
         f"{out}: a scene of {len(loaded)} recordings, first frequency {frequency:.4g} Hz",
         *(
-            f"  {item.where}: {len(item.names)} channels, {len(item.time)} samples, "
+            f"  {item.where}: {counted(len(item.names), 'channel')}, {len(item.time)} samples, "
             f"{(item.time[-1] - item.time[0]) * frequency:.0f} periods of "
             f"{1.0 / (item.step * frequency):.0f} samples"
             for item in loaded
@@ -76,6 +77,11 @@ def written(paths: list[Path], out: Path) -> str:
         f"Run it: snakemake --cores 2 --config 'scenes=[{out.stem}]'",
     ]
     return "\n".join(lines)
+
+
+def counted(number: int, what: str) -> str:
+    """1 channel, 2 channels."""
+    return f"{number} {what}{'s' if number != 1 else ''}"
 
 
 def recordings_in(path: Path) -> list[Recording]:
@@ -129,7 +135,11 @@ def described(found: list[Recording], time_unit: str, length_unit: str) -> Recor
         one = samples.loaded(found[0], scene_of(plain * 2, "s", length_unit))
         middle = float(one.time[len(one.time) // 2])
         plain = [plain[0] | {"end": middle}, plain[0] | {"begin": middle}]
-    plain[-1]["role"] = "test"
+    swings = [
+        np.nanmax(np.nanmax(item.values, axis=0) - np.nanmin(item.values, axis=0))
+        for item in samples.load(scene_of(plain, "s", length_unit))
+    ]
+    plain[-1 if np.argmax(swings) < len(swings) - 1 else -2]["role"] = "test"
     return scene_of(plain, time_unit, length_unit)
 
 
