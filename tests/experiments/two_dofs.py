@@ -129,7 +129,7 @@ def fitted() -> xr.Dataset:
     )
 
 
-def given(**answers: xr.Dataset) -> Given:
+def given(title: str = "", **answers: xr.Dataset) -> Given:
     """What experiments are given, with these answers."""
     known = {"train": record(), "test": record(), "fit": fitted()}
-    return Given(structure(), SAMPLES, known | answers)
+    return Given(structure(), SAMPLES, known | answers, title)

@@ -29,11 +29,8 @@ def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
 
             def advance(count: int) -> None:
                 done = progress.tasks[0].completed + count
-                progress.update(
-                    task,
-                    advance=count,
-                    rate=f"{done / max(time.monotonic() - started, 1e-9):,.0f} {unit}/s",
-                )
+                rate = done / max(time.monotonic() - started, 1e-9)
+                progress.update(task, advance=count, rate=f"{_short(rate)} {unit}/s")
 
             yield advance
         return
@@ -48,10 +45,15 @@ def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
             rate = state["done"] / (now - started)
             left = (total - state["done"]) / rate
             print(
-                f"{title}: {100 * state['done'] / total:3.0f} %, {rate:,.0f} {unit}/s, "
+                f"{title}: {100 * state['done'] / total:3.0f} %, {_short(rate)} {unit}/s, "
                 f"{left:,.0f} s left",
                 file=sys.stderr,
                 flush=True,
             )
 
     yield speak
+
+
+def _short(rate: float) -> str:
+    """Two digits of a slow one."""
+    return f"{rate:,.0f}" if rate >= 9.5 else f"{rate:.2g}"

@@ -40,6 +40,7 @@ class Given:
     structure: xr.Dataset
     samples: int  # of a period, that the full order stores
     answers: Mapping[str, xr.Dataset]  # what the experiment reads, by name
+    title: str = ""  # of bars of progress: whose answer this is, and a colon
 
     @property
     def probe(self) -> xr.Variable:

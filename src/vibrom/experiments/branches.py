@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts.progress import bar
 from vibrom.config.kinds import Count, NonNegative, Positive, Turn, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.model import Model
@@ -60,19 +61,22 @@ class Branches(Experiment):
         """Every periodic motion that was found, one a row, branch after branch."""
         flow, scale, forcing = model.return_map(), model.frequency, float(self.forcing)
         span = Span(self.lowest * scale, self.highest * scale, self.points, self.minor * scale)
-        pace = Pace(0.1 * (span.highest - span.lowest), turn=self.turn, newton=flow.free)
         grid = np.linspace(self.lowest, self.highest, self.frequencies) * scale
 
         def near() -> list[Near]:
             found = []
             if self.resonances:
-                found += from_backbone(flow, forcing, self.resonances, self.turn)
+                found += from_backbone(flow, forcing, self.resonances, self.turn, heard)
             if self.sweeps:
                 frequency = np.linspace(span.lowest, span.highest, self.sweeps + 2)[1:-1]
-                found += from_sweeps(flow, forcing, frequency, self.periods)
+                found += from_sweeps(flow, forcing, frequency, self.periods, heard)
             return found
 
-        return motions(in_frequency(flow, forcing), span, pace, grid, given.probe, near)
+        most = self.points + self.resonances + 2 * self.sweeps
+        with bar(f"{given.title}branches, at most {most} motions", most, "motions") as heard:
+            scale = 0.1 * (span.highest - span.lowest)
+            pace = Pace(scale, turn=self.turn, newton=flow.free, heard=heard)
+            return motions(in_frequency(flow, forcing), span, pace, grid, given.probe, near)
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds and peaks, and how far its branches are off."""

@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.artefacts.progress import bar
 from vibrom.config.kinds import Count, Positive, Turn
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import backbone_error, periodic, response_variables
@@ -53,10 +54,12 @@ class Resonance(Experiment):
         flow = model.return_map()
         prepare(flow, flow.frequency)
         began = time.perf_counter()
-        try:
-            found = backbone(flow, float(self.forcing), self.points, self.turn)
-        except Lost:
-            found = None
+        title = f"{given.title}resonance, at most {self.points} motions"
+        with bar(title, self.points, "motions") as heard:
+            try:
+                found = backbone(flow, float(self.forcing), self.points, self.turn, heard)
+            except Lost:
+                found = None
         rows = _nothing(len(given.probe)) if found is None else _rows(flow, found, known.mass)
         rows["seconds"] = variable(
             (), time.perf_counter() - began, "s", "wall time of the computation, loading excluded"

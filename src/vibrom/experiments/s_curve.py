@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts.progress import bar
 from vibrom.config.kinds import Count, NonNegative, Positive, Turn
 from vibrom.experiments import Experiment, Given
 from vibrom.models.model import Model
@@ -55,10 +56,13 @@ class SCurve(Experiment):
         """Every periodic motion that was found, one a row."""
         flow, largest = model.return_map(), float(self.forcing)
         span = Span(LOWEST * largest, largest, self.points, self.minor * largest)
-        pace = Pace(0.5 * largest, turn=self.turn, newton=flow.free)
         grid = np.linspace(0.0, largest, self.forcings + 1)[1:]
         curve = in_amplitude(flow, self.frequency * model.frequency)
-        return motions(curve, span, pace, grid, given.probe)
+        with bar(
+            f"{given.title}S curve, at most {self.points} motions", self.points, "motions"
+        ) as heard:
+            pace = Pace(0.5 * largest, turn=self.turn, newton=flow.free, heard=heard)
+            return motions(curve, span, pace, grid, given.probe)
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds, and how far its branches are off."""

@@ -6,6 +6,7 @@ way back it jumps elsewhere. A jump is bracketed by halving the last step from t
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.artefacts.progress import bar
 from vibrom.config.kinds import Count, Positive, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import curve_error, periodic, response_variables
@@ -60,13 +62,15 @@ class Sweeps(Experiment):
         prepare(flow, frequency[0])
         began = time.perf_counter()
         forcing = float(self.forcing)
-        up, down = (
-            swept(flow, order, forcing, self.periods, self.settle)
-            for order in (frequency, frequency[::-1])
-        )
-        points = [up, down[::-1]]
-        shown = periodic(np.stack([swings(flow, row, frequency, forcing) for row in points]))
-        jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0])
+        most = 2 * (self.settle + self.periods * (self.frequencies + self.halvings))
+        with bar(f"{given.title}sweeps", most, "periods") as heard:
+            up, down = (
+                swept(flow, order, forcing, self.periods, self.settle, heard)
+                for order in (frequency, frequency[::-1])
+            )
+            points = [up, down[::-1]]
+            shown = periodic(np.stack([swings(flow, row, frequency, forcing) for row in points]))
+            jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0], heard)
         seconds = time.perf_counter() - began
         finite = np.isfinite(shown.maximum).all(axis=-1)
         dims, point = ("direction", "angular_frequency", "probe"), "angular_frequency"
@@ -98,6 +102,7 @@ class Sweeps(Experiment):
         frequency: np.ndarray,
         points: list[list[np.ndarray]],
         amplitude: np.ndarray,
+        heard: Callable[[int], object],
     ) -> np.ndarray:
         """(2, 2) the frequencies before and after the jump of each direction; NaN without one."""
         found = np.full((2, 2), np.nan)
@@ -118,17 +123,23 @@ class Sweeps(Experiment):
             if starts:
                 ends = np.array([0, step]) + starts[int(np.argmax(np.nan_to_num(change)))]
                 given = frequency[ends], amplitude[row, ends]
-                found[row] = self._halved(flow, points[row][ends[0]], *given)
+                found[row] = self._halved(flow, points[row][ends[0]], *given, heard)
         return found
 
     def _halved(
-        self, flow: ReturnMap, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray
+        self,
+        flow: ReturnMap,
+        x: np.ndarray,
+        frequency: np.ndarray,
+        amplitude: np.ndarray,
+        heard: Callable[[int], object],
     ) -> np.ndarray:
         """Frequencies (2,) on both sides of a jump from x, between two at which it was seen."""
         (low, high), (before, after), forcing = frequency, amplitude, float(self.forcing)
         for _ in range(self.halvings):
             middle = 0.5 * (low + high)
             ahead = flow.after(x, middle, forcing, self.periods)
+            heard(self.periods)
             seen = swings(flow, [ahead], np.array([middle]), forcing)[0, 0].max()
             if abs(seen - before) < abs(seen - after):
                 low, x, before = middle, ahead, seen

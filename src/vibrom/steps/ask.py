@@ -60,7 +60,7 @@ def run(
         true = opened(truth, kind(str(question.truth), False)) if truth else None
         if true is not None and is_skipped(true):  # there is nothing to compare with
             true = None
-        given = Given(known, samples, reads)
+        given = Given(known, samples, reads, title(**names))
         answer = answer_of(question, built, fitted, given, true)
         about = json.dumps({"experiment": settings, "integrator": integrator}, sort_keys=True)
         answered[name] = label(answer, name, settings=about, **names)
@@ -85,6 +85,11 @@ def answer_of(
     if not outcome.has_value:
         answer = unanswered(question, outcome)
     return answer.assign_attrs(reason=reason, answered=int(outcome.has_value))
+
+
+def title(scene: str, method: str, seed: int | None = None, **_: Any) -> str:
+    """What begins a bar of progress."""
+    return f"{scene}: {method}" + ("" if seed is None else f", seed {seed}") + ": "
 
 
 def is_skipped(answer: xr.Dataset) -> bool:

@@ -1,6 +1,6 @@
 """Sweeps: a motion that is carried on from one frequency of the load to the next."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -8,16 +8,23 @@ from vibrom.solvers.periodic.maps import ReturnMap
 
 
 def swept(
-    flow: ReturnMap, frequency: np.ndarray, amplitude: float, periods: int, settle: int = 0
+    flow: ReturnMap,
+    frequency: np.ndarray,
+    amplitude: float,
+    periods: int,
+    settle: int = 0,
+    heard: Callable[[int], object] = int,
 ) -> list[np.ndarray]:
     """Points (m,) after so many periods at each frequency (k,) [rad/s] in this order, each carried
     on from the one before; the first begins from rest and takes `settle` periods more. NaN from
-    where the motion does not last.
+    where the motion does not last. `heard` is told of the periods that are done.
     """
     x, points = np.zeros(flow.size), []
     for number, omega in enumerate(frequency.tolist()):
-        x = flow.after(x, omega, amplitude, periods + (0 if number else settle))
+        taken = periods + (0 if number else settle)
+        x = flow.after(x, omega, amplitude, taken)
         points.append(x)
+        heard(taken)
     return points
 
 

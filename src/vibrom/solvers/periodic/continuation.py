@@ -57,6 +57,7 @@ class Pace:
     iterations: int = 16
     few: int = 9  # evaluations up to which a step may grow
     newton: bool = False  # is the derivative as cheap as the value?
+    heard: Callable[[int], object] = int  # hears of every point of a walk
 
 
 @dataclass(frozen=True)
@@ -246,6 +247,7 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
         growth = min(pace.turn / max(angle, 1e-12), 2.0 if ahead.iterations <= pace.few else 0.7)
         length = min(length * max(growth, 0.4), pace.largest)
         before, point = point, ahead
+        pace.heard(1)
         yield point
 
 

@@ -17,6 +17,7 @@ Sound Vib. 330 (2011) 486; Volvert, Kerschen, J. Sound Vib. 511 (2021) 116355.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,9 +81,18 @@ class Backbone:
         return found
 
 
-def backbone(flow: ReturnMap, highest: float, points: int, turn: float) -> Backbone:
-    """From a small forcing up to the `highest`. Raises Lost where it cannot be begun."""
-    lowest, pace = LOWEST * highest, Pace(0.5 * highest, turn=turn, newton=flow.free)
+def backbone(
+    flow: ReturnMap,
+    highest: float,
+    points: int,
+    turn: float,
+    heard: Callable[[int], object] = int,
+) -> Backbone:
+    """From a small forcing up to the `highest`; `heard` is told of every motion. Raises Lost where
+    it cannot be begun.
+    """
+    lowest = LOWEST * highest
+    pace = Pace(0.5 * highest, turn=turn, newton=flow.free, heard=heard)
     x = from_rest(flow, flow.frequency, lowest)
     size = float(np.linalg.norm(x))
     states = flow.states(x, flow.frequency, lowest)
