@@ -11,6 +11,7 @@ from bad_entries import BAD
 from project_copy import change, command, copy
 
 from vibrom.__main__ import check
+from vibrom.config.command_line import overlays
 
 PROMISED = [
     "unknown effect",
@@ -97,10 +98,15 @@ DEEP = "a: " + "[" * 3000 + "]" * 3000
         (DEEP.encode(), "line 1 is nested more than 50 deep; nothing here needs that"),
     ],
 )
-def test_an_overlay_that_snakemake_cannot_read_is_explained_by_the_check(project, content, says):
-    # Snakemake reads overlays before any code of the workflow runs, and ends in its own traceback.
-    overlay = project / "overlay.yaml"
-    overlay.write_bytes(content)
+def test_an_overlay_that_snakemake_cannot_read_is_one_line(project, content, says):
+    (project / "overlay.yaml").write_bytes(content)
+    answer = command(project, "-n", "--configfile", "overlay.yaml")
+    assert answer.returncode == 1
+    assert answer_lines(answer) == [f"vibrom: overlay.yaml: {says}"]
+
+
+def test_the_check_says_what_is_wrong(project):
+    (project / "overlay.yaml").write_text("scenes: [smal]\n")
     answer = subprocess.run(
         [sys.executable, "-m", "vibrom", "check", "overlay.yaml"],
         cwd=project,
@@ -108,7 +114,21 @@ def test_an_overlay_that_snakemake_cannot_read_is_explained_by_the_check(project
         text=True,
     )
     assert answer.returncode == 1 and answer.stdout == ""
-    assert answer.stderr == f"vibrom: overlay.yaml: {says}\n"
+    assert answer.stderr.startswith("vibrom: overlay.yaml: scenes[0] = 'smal' is no scene")
+    assert answer.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "words, found",
+    [
+        (["--cores", "2", "--configfile", "a", "b", "-n", "c"], ["a", "b"]),
+        (["a", "--configfiles=b", "c", "--cores=1"], ["b", "c"]),
+        (["--config", "configfile=a", "b"], []),
+        (["--configfile"], []),
+    ],
+)
+def test_overlays_of_a_command(words, found):
+    assert [str(path) for path in overlays(words)] == found
 
 
 def test_the_check_says_what_a_fine_configuration_asks_for(project):
