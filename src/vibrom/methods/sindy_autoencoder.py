@@ -10,8 +10,8 @@ accelerations far less closely than the displacements.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -41,6 +41,9 @@ class SindyAutoencoder(AutoencoderMethod):
     # the coefficients minimise the loss of the trained networks exactly; false, or with sparsity:
     # they stay as the optimiser leaves them
     refit: bool = True
+    # without it the folding response curve of some seeds has folds beyond the training range that
+    # the full order's has not
+    extrapolation: Literal["none", "linear"] = field(default="linear", kw_only=True)
 
     def dynamics(self, training: Training, chosen: Coordinates, stack: np.ndarray) -> Dynamics:
         """See AutoencoderMethod."""

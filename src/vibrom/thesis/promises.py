@@ -147,7 +147,12 @@ EQUATIONS = {
     },
 }
 # Models that know of the two motions of `folding`: largest error of the frequency of a fold [%].
-FOLDED = {"equations_orbits": 0.3, "equations_corrected": 1.0, "decoupled_autoencoder": 1.0}
+FOLDED = {
+    "equations_orbits": 0.3,
+    "equations_corrected": 1.0,
+    "decoupled_autoencoder": 1.0,
+    "sindy_autoencoder": 1.0,
+}
 
 
 def of_full_order(case: str) -> Iterator[Promise]:
