@@ -2,11 +2,16 @@
 refused in one line that names the file.
 """
 
+from pathlib import Path
+
+import netCDF4
 import numpy as np
 import pytest
+import scipy.io.matlab
 import xarray as xr
 from oscillator import Oscillator
 from scipy.io import savemat
+from scipy.sparse import csc_matrix
 
 from vibrom.artefacts.files import DataError
 from vibrom.config.recorded import RecordedScene, Recording
@@ -72,6 +77,63 @@ def test_entries_of_cells_and_fields_have_names_as_matlab_writes_them(tmp_path):
     assert set(files.read(path)) == {"xData{1,1}", "xData{1,2}", "sweep.omega"}
     found = loaded(path, time="xData{1,1}", channels=("xData{1,2}",))
     np.testing.assert_array_equal(found.values, 1e-3 * X)
+
+
+def matlab_73(path, fill):
+    """HDF5 behind a header of 512 bytes, arrays transposed, as MATLAB writes it."""
+    with netCDF4.Dataset(path.with_suffix(".hdf5"), "w") as data:
+        fill(data)
+    head = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
+    path.write_bytes(head.ljust(512, b"\x00") + path.with_suffix(".hdf5").read_bytes())
+
+
+def put(group, name, values, kind="double"):
+    dims = [f"{name}_{axis}" for axis in range(np.ndim(values))]
+    for dim, size in zip(dims, np.shape(values)[::-1]):
+        group.createDimension(dim, size)
+    made = group.createVariable(name, np.asarray(values).dtype, dims)
+    made[...] = np.transpose(values)
+    made.MATLAB_class = kind
+
+
+def test_matlab_73_holds_arrays_fields_and_sparse_matrices(tmp_path):
+    matrix = csc_matrix(np.array([[2.0, -1.0, 0.0], [0.0, 3.0, 0.5]]))
+
+    def fill(data):
+        put(data, "t", 1e3 * TIME[None])
+        put(data, "x", 1e3 * X)
+        put(data, "note", np.array([[72, 105]], np.uint16), "char")
+        put(data.createGroup("sweep"), "omega", np.arange(3.0)[None])
+        sparse = data.createGroup("K")
+        sparse.MATLAB_sparse = np.uint64(2)
+        for name, values in zip(("data", "ir", "jc"), (matrix.data, matrix.indices, matrix.indptr)):
+            put(sparse, name, values)
+
+    path = tmp_path / "new.mat"
+    matlab_73(path, fill)
+    arrays = files.read(path)
+    assert set(arrays) == {"t", "x", "sweep.omega", "K"}
+    np.testing.assert_array_equal(arrays["K"], matrix.toarray())
+    found = loaded(path, time="t", channels=("x",))
+    np.testing.assert_allclose(found.values, X, rtol=1e-15)
+
+
+def test_cells_of_matlab_73_are_refused(tmp_path, monkeypatch):
+    """MATLAB keeps them in a group whose name netCDF reads, but does not write."""
+    monkeypatch.setattr(files, "CELLS", "refs")
+    matlab_73(tmp_path / "new.mat", lambda data: put(data.createGroup("refs"), "a", X))
+    with pytest.raises(DataError, match="holds cells, which are not read from MATLAB 7.3"):
+        files.read(tmp_path / "new.mat")
+
+
+def test_a_file_that_matlab_itself_wrote():
+    """Of SciPy's own tests: 0 to 2 pi in steps of pi/4."""
+    folder = Path(scipy.io.matlab.__file__).parent / "tests/data"
+    path = folder / "testhdf5_7.4_GLNX86.mat"
+    if not path.is_file():
+        pytest.skip("SciPy is installed without its tests")
+    found = files.read(path)
+    np.testing.assert_allclose(found["testdouble"], [np.arange(9) * np.pi / 4], rtol=1e-14)
 
 
 def test_samples_without_instants_have_a_step(tmp_path):

@@ -13,16 +13,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import pandas as pd
 import xarray as xr
 from scipy.io import loadmat
-from scipy.sparse import issparse
+from scipy.sparse import csc_matrix, issparse
 
 from vibrom.artefacts.files import DataError
 from vibrom.config.errors import closest
 
 DEEPEST = 4  # cells and fields in one another
+CELLS = "#refs#"  # where MATLAB 7.3 keeps what is in cells
 Arrays = dict[str, np.ndarray]
 
 
@@ -41,10 +43,8 @@ def read(path: str | Path) -> Arrays:
 def _read(path: Path, changed: int) -> Arrays:
     try:
         found = READERS[path.suffix.lower()](path)
-    except NotImplementedError as error:
-        raise DataError(
-            f"{path}: a MATLAB file of version 7.3; save it with -v7 in MATLAB"
-        ) from error
+    except DataError:
+        raise
     except Exception as error:  # readers of torn files raise whatever they meet
         why = " ".join(str(error).split())[:120]
         raise DataError(f"{path}: cannot be read ({why}); check or save the file again") from error
@@ -108,9 +108,39 @@ def _numpy(path: Path) -> Arrays:
 
 def _matlab(path: Path) -> Arrays:
     found: Arrays = {}
-    for name, value in loadmat(path).items():
+    try:
+        content = loadmat(path)
+    except NotImplementedError:  # version 7.3, which is HDF5
+        with netCDF4.Dataset(path) as data:
+            return _hdf5(data, path)
+    for name, value in content.items():
         if not name.startswith("__"):
             found |= _numbers(name, value)
+    return found
+
+
+def _hdf5(group: netCDF4.Dataset, path: Path, prefix: str = "") -> Arrays:
+    """Of a MATLAB file of version 7.3: arrays, which it holds transposed, and fields of structures.
+
+    Its cells refer to arrays that have no names, by a type which netCDF does not know.
+    """
+    found: Arrays = {}
+    for name, variable in group.variables.items():
+        about = {key: variable.getncattr(key) for key in variable.ncattrs()}
+        if about.get("MATLAB_class") != "char" and "MATLAB_empty" not in about:
+            found |= _numbers(prefix + name, np.asarray(variable[...]).T)
+    for name, part in group.groups.items():
+        if name == CELLS and _hdf5(part, path):
+            raise DataError(
+                f"{path}: holds cells, which are not read from MATLAB 7.3; save it with -v7, or "
+                "save the arrays themselves"
+            )
+        if "MATLAB_sparse" in part.ncattrs():
+            entries, row, starts = (part[what][...] for what in ("data", "ir", "jc"))
+            shape = (int(part.getncattr("MATLAB_sparse")), len(starts) - 1)
+            found[prefix + name] = csc_matrix((entries, row, starts), shape).toarray()
+        elif name != CELLS:
+            found |= _hdf5(part, path, f"{prefix}{name}.")
     return found
 
 
