@@ -40,11 +40,11 @@ def check(folder: Path, overlays: list[Path]) -> str:
     return "\n".join(["The configuration is fine.", *lines, f"{'results':12} {asked.results}"])
 
 
-def record(files: list[Path], out: Path) -> str:
+def record(files: list[Path], out: Path, step: float | None) -> str:
     """Writes the file of a scene of recorded motion, with comments, and says what was found."""
     from vibrom.recordings import start
 
-    return start.written(files, out)
+    return start.written(files, out, step)
 
 
 def main() -> None:
@@ -58,15 +58,16 @@ def main() -> None:
     checking.add_argument("--folder", type=Path, default="config", help="of config.yaml")
     about = "write a scene of recorded motion"
     recording = commands.add_parser("record", help=about, description=record.__doc__)
-    recording.add_argument("files", nargs="+", type=Path, help="CSV, NumPy, MATLAB or netCDF")
+    recording.add_argument("files", nargs="+", type=Path, help="text, NumPy, MATLAB or netCDF")
     recording.add_argument("--out", required=True, type=Path, help="config/scenes/NAME.yaml")
+    recording.add_argument("--step", type=float, help="time between samples without instants")
     given = parser.parse_args()
     if given.command is None:
         print(report())
         return
     try:
         if given.command == "record":
-            print(record(given.files, given.out))
+            print(record(given.files, given.out, given.step))
         else:
             print(check(given.folder, given.overlays))
     except (ConfigError, DataError) as error:

@@ -53,12 +53,13 @@ def load(
     *,
     time_unit: str = "s",
     length_unit: str = "m",
+    step: float | None = None,
     **settings: Any,
 ) -> Recorded:
-    """The motions in CSV, NumPy, MATLAB or netCDF files: the last one is for tests, or the one
+    """The motions in text, NumPy, MATLAB or netCDF files: the last one is for tests, or the one
     before it where the last swings farthest, and the others are for training; a single one is cut
-    in the middle. `settings` are those of
-    `vibrom.config.recorded.Preparation`: `start`, `filter`, `delays`, ...
+    in the middle. `step`, in the unit of time, is that between samples of files without instants.
+    `settings` are those of `vibrom.config.recorded.Preparation`: `start`, `filter`, `delays`, ...
     """
     for name, unit, known in (
         ("time_unit", time_unit, SECONDS),
@@ -66,7 +67,7 @@ def load(
     ):
         if unit not in known:
             _refuse((name,), unit, f"is not known; {closest(unit, known)}")
-    found = [entry for path in files for entry in recordings_in(Path(path))]
+    found = [entry for path in files for entry in recordings_in(Path(path), step)]
     scene = described(found, time_unit, length_unit)
     return of_samples(samples.load(scene), **settings)
 

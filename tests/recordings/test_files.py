@@ -180,6 +180,22 @@ def test_recordings_with_different_channels_are_refused(tmp_path):
         samples.load(scene(*both))
 
 
+def test_channels_are_told_by_their_names_whatever_their_order(tmp_path):
+    np.savez(tmp_path / "one.npz", t=TIME, a=X[:, 0], b=X[:, 1])
+    np.savez(tmp_path / "two.npz", t=TIME, b=X[:, 1], a=X[:, 0])
+    both = [Recording(file=str(tmp_path / f"{n}.npz"), role="train") for n in ("one", "two")]
+    first, second = samples.load(scene(*both))
+    np.testing.assert_array_equal(first.values, second.values)
+    assert second.notes == ("channels in the order of the first recording",)
+
+
+def test_infinite_samples_are_missing(tmp_path):
+    values = X.copy()
+    values[100, 0] = np.inf
+    np.savez(tmp_path / "x.npz", t=TIME, x=values)
+    assert np.isnan(loaded(tmp_path / "x.npz").values[100, 0])
+
+
 def sampled(time, values=None):
     values = Oscillator().motion(time, 1.0)[:, None] if values is None else values
     return samples.Samples("it", "train", time, values, ("x",))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from oscillator import Oscillator, noisy
 
+from vibrom.artefacts.files import DataError
 from vibrom.config.recorded import Preparation
 from vibrom.experiments.backbone import peak_finding_and_fitting
 from vibrom.methods.ssmlearn import SsmLearn
@@ -126,6 +127,19 @@ def test_a_fast_motion_that_the_slow_channel_does_not_see_is_seen_by_the_other()
     settings = Preparation(harmonics=4)
     found = [preparation.prepare([item], settings).prepared[0].slow.begin for item in (both, alone)]
     assert found[0] > 1.0 and found[1] == 0.0
+
+
+def test_a_motion_that_does_not_decay_is_refused():
+    with pytest.raises(DataError, match="train: swings as far at its end as at its beginning"):
+        preparation.prepare([recording(np.sin(31.0 * TIME))], Preparation())
+
+
+def test_channels_that_determine_no_linear_motion_are_refused():
+    """A counter beside the instants: it rises, and its acceleration is zero."""
+    counter = recording(np.stack([IT.motion(TIME, 0.3), 1e3 * TIME], axis=1))
+    motion = preparation.prepare([counter], Preparation(frequency=5.0, start=0.0)).of("train")[0]
+    with pytest.raises(DataError, match="the recordings do not determine a linear motion"):
+        linear.linear_part([motion.motion])
 
 
 def test_delays_of_a_vibration_are_in_phase():

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from oscillator import Oscillator
 from scipy.io import savemat
 
 from vibrom.__main__ import main
 from vibrom.config import settings
+from vibrom.recordings import samples
 
 CONFIG = Path(__file__).parents[2] / "config"
 TIME = np.arange(0.0, 6.0, 1 / 200)
@@ -76,12 +78,45 @@ def test_a_cell_of_instants_and_channels_holds_several(here, monkeypatch):
     assert [item.time for item in found] == ["xData{1,1}", "xData{2,1}"]
 
 
+def test_a_counter_is_no_channel_and_instants_are_known_by_their_name(here, monkeypatch):
+    for name, start in (("a.csv", 1.0), ("b.csv", 0.8)):
+        rows = [np.arange(len(TIME)), 1e3 * TIME, Oscillator().motion(TIME, start)]
+        header = "index,Time (ms),x (m)"
+        np.savetxt(here / name, np.transpose(rows), delimiter=",", header=header, comments="")
+    record(monkeypatch, "a.csv", "b.csv", "--out", "config/scenes/mine.yaml")
+    made = scene(here)
+    assert made.recordings[0].time == "Time (ms)" and made.recordings[0].channels == ("x (m)",)
+    assert made.time_unit == "ms"
+
+
+def test_samples_without_instants_have_the_step_that_is_said(here, monkeypatch, capsys):
+    for name, start in (("a", 1.0), ("b", 0.8)):
+        np.savez(here / f"{name}.npz", x=Oscillator().motion(TIME, start), rate=200.0)
+    arguments = "a.npz", "b.npz", "--step", "0.005", "--out", "config/scenes/mine.yaml"
+    record(monkeypatch, *arguments)
+    assert [(item.step, item.channels) for item in scene(here).recordings] == [(0.005, ("x",))] * 2
+    assert "first frequency 5.0" in capsys.readouterr().out
+
+
+def test_units_and_dates_of_netcdf_are_taken_from_its_attributes(here, monkeypatch):
+    for name, start in (("a.nc", 1.0), ("b.nc", 0.8)):
+        x = "time", 1e3 * Oscillator().motion(TIME, start), {"units": "mm"}
+        instants = np.datetime64("2024-01-01", "ns") + (1e9 * TIME).astype("timedelta64[ns]")
+        xr.Dataset({"x": x}, {"time": instants}).to_netcdf(here / name)
+    record(monkeypatch, "a.nc", "b.nc", "--out", "config/scenes/mine.yaml")
+    made = scene(here)
+    assert (made.time_unit, made.length_unit) == ("s", "mm")
+    first = samples.load(made)[0]
+    np.testing.assert_allclose(first.time - first.time[0], TIME, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
         (["none.csv", "--out", "config/scenes/mine.yaml"], "none.csv: no such file"),
         (["a.csv", "--out", "config/scenes/small.yaml"], "is there already"),
         (["a.csv", "--out", "config/scenes/my scene.yaml"], "the name of a scene has letters"),
+        (["a.csv", "a.csv", "--out", "config/scenes/mine.yaml"], "a.csv: is given twice"),
         (["b.npz", "--out", "config/scenes/mine.yaml"], "no instants among x, y"),
     ],
 )

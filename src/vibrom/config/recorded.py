@@ -27,7 +27,7 @@ class Recording(Block, frozen=True):
     `xData{1,2}` an entry of a cell, `a.b` a field.
     """
 
-    file: str  # .csv, .txt, .npy, .npz, .mat or .nc, seen from where the run is started
+    file: str  # .csv, .tsv, .txt, .dat, .npy, .npz, .mat or .nc, seen from where the run is started
     role: Role  # what it is used for
     # the instants; none where the first column or the variable `time` or `t` has them
     time: str | None = None

@@ -1,4 +1,4 @@
-"""Files of numbers by the names that they use: CSV, NumPy, MATLAB and netCDF.
+"""Files of numbers by the names that they use: text, NumPy, MATLAB and netCDF.
 
 A name is a column's or a variable's; `xData{1,2}` is an entry of a MATLAB cell, counted from one,
 and `a.b` a field. A `.npy` file holds one array, called `array`.
@@ -6,8 +6,6 @@ and `a.b` a field. A `.npy` file holds one array, called `array`.
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -15,14 +13,23 @@ from typing import Any
 
 import netCDF4
 import numpy as np
-import pandas as pd
 import xarray as xr
 from scipy.io import loadmat
 from scipy.sparse import csc_matrix, issparse
 
 from vibrom.artefacts.files import DataError
 from vibrom.config.errors import closest
+from vibrom.recordings.text import table
 
+# s, of dates in netCDF: `milliseconds since 2024-01-01`
+SINCE = {
+    "nanoseconds": 1e-9,
+    "microseconds": 1e-6,
+    "milliseconds": 1e-3,
+    "minutes": 60.0,
+    "hours": 3600.0,
+    "days": 86400.0,
+}
 DEEPEST = 4  # cells and fields in one another
 CELLS = "#refs#"  # where MATLAB 7.3 keeps what is in cells
 Arrays = dict[str, np.ndarray]
@@ -61,40 +68,12 @@ def array(path: str | Path, name: str) -> np.ndarray:
     return found[name]
 
 
-def _csv(path: Path) -> Arrays:
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
-    lines = [line for line in text.splitlines() if line.strip() and line.lstrip()[0] not in "#%"]
-    if not lines:
-        return {}
-    try:
-        delimiter = csv.Sniffer().sniff("\n".join(lines[:20]), delimiters=",;\t ").delimiter
-    except csv.Error:  # one column
-        delimiter = ","
-    blanks = delimiter == " "
-    decimal = "," if delimiter == ";" and "." not in lines[-1] else "."
-    first = lines[0].split() if blanks else lines[0].split(delimiter)
-    titled = not any(map(_is_number, (word.replace(decimal, ".") for word in first)))
-    frame = pd.read_csv(
-        io.StringIO("\n".join(lines)),
-        sep=r"\s+" if blanks else delimiter,
-        header=0 if titled else None,
-        decimal=decimal,
-        skipinitialspace=True,
-    )
-    frame = frame.apply(pd.to_numeric, errors="coerce").dropna(axis="columns", how="all")
-    names = [
-        str(name).strip() if titled else f"column_{place + 1}"
-        for place, name in enumerate(frame.columns)
-    ]
-    return {name: frame.iloc[:, place].to_numpy(float) for place, name in enumerate(names)}
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def units(path: str | Path) -> list[str]:
+    """Those that a netCDF file gives its variables, in brackets as columns have them."""
+    if Path(path).suffix.lower() != ".nc":
+        return []
+    with xr.open_dataset(path, decode_times=False) as data:
+        return [f"({item.attrs.get('units', '')})" for item in data.variables.values()]
 
 
 def _numpy(path: Path) -> Arrays:
@@ -148,7 +127,9 @@ def _netcdf(path: Path) -> Arrays:
     found: Arrays = {}
     with xr.open_dataset(path, decode_times=False) as data:
         for name in data.variables:
-            found |= _numbers(str(name), data[name].values)
+            unit, since, _ = str(data[name].attrs.get("units", "")).partition(" since ")
+            values = data[name].values * SINCE.get(unit, 1.0) if since else data[name].values
+            found |= _numbers(str(name), values)
     return found
 
 
@@ -177,8 +158,10 @@ def _entry(name: str, place: tuple[int, ...]) -> str:
 
 
 READERS: dict[str, Callable[[Path], Arrays]] = {
-    ".csv": _csv,
-    ".txt": _csv,
+    ".csv": table,
+    ".tsv": table,
+    ".txt": table,
+    ".dat": table,
     ".npy": _numpy,
     ".npz": _numpy,
     ".mat": _matlab,

@@ -15,7 +15,7 @@ import numpy as np
 from vibrom.artefacts.files import DataError
 from vibrom.latent.coordinates import principal
 from vibrom.latent.polynomial import exponents, least_squares, monomials
-from vibrom.models.training import Trajectory
+from vibrom.models.training import Trajectory, Underdetermined
 
 DEGREE = 3
 SMALLEST = 0.05  # of the largest amplitude: below, samples weigh no more
@@ -42,7 +42,13 @@ def linear_part(motions: list[Trajectory]) -> Linear:
     y = np.stack([z, speed], axis=1) / scale
     weight = 1.0 / np.maximum(np.linalg.norm(y, axis=1), SMALLEST)
     library = monomials(y, exponents(2, 1, DEGREE))
-    row = least_squares(weight[:, None] * library, (weight * rate)[:, None])[0]
+    try:
+        row = least_squares(weight[:, None] * library, (weight * rate)[:, None])[0]
+    except Underdetermined as error:
+        raise DataError(
+            "the recordings do not determine a linear motion; name the `channels` that vibrate, or "
+            "give a decay over more amplitudes"
+        ) from error
     stiffness, damping = -row[:2] / scale
     if stiffness <= 0.0:
         raise DataError(

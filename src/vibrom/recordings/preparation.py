@@ -30,6 +30,7 @@ from vibrom.recordings.slow import Slow, begins
 OBSERVABLES = 5  # a manifold of two dimensions is embedded by 2 * 2 + 1 (Takens 1981)
 WINDOW = 0.25  # periods, from the first delay to the last
 TAIL = 0.1  # of a recording
+STEADY = 0.01  # relative change of the amplitude over a recording, at least
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,8 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     even = [equidistant(item, 1.0 / frequency, settings.longest_gap, step) for item in recordings]
     even = [thinned(item, frequency, settings) for item in even]
     even = [at_rest(item, frequency, settings.rest) for item in even]
+    for item in even:
+        check_decays(item)
     found = [harmonics(item.values, item.step, frequency) for item in even]
     kept = settings.harmonics or max(found)
     delays = delays or settings.delays or delays_of(even[0].values.shape[1])
@@ -124,6 +127,17 @@ def at_rest(samples: Samples, frequency: float, rule: str) -> Samples:
     mean = samples.values[-count:].mean(axis=0)
     shown = ", ".join(f"{value:.3g}" for value in mean)
     return samples.noted(f"rest at {shown} m", values=samples.values - mean)
+
+
+def check_decays(samples: Samples) -> None:
+    """Raises DataError where a motion is as large at its end as at its beginning."""
+    size, tenth = np.linalg.norm(samples.values, axis=1), int(TAIL * len(samples.time))
+    first, last = size[:tenth].max(), size[-tenth:].max()
+    if abs(last / first - 1.0) < STEADY:
+        raise DataError(
+            f"{samples.where}: swings as far at its end as at its beginning; give a motion that is "
+            "left alone and decays"
+        )
 
 
 def motion_of(

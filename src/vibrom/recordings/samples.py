@@ -63,6 +63,8 @@ def load(scene: RecordedScene) -> list[Samples]:
                 f"{other.where}: {other.values.shape[1]} channels, but {first.where} has "
                 f"{first.values.shape[1]}; name the same `channels` for both"
             )
+    if len(set(first.names)) == len(first.names):
+        found = [reordered(item, first.names) for item in found]
     names = scene.channels or first.names
     if len(names) != len(first.names):
         raise DataError(
@@ -70,6 +72,15 @@ def load(scene: RecordedScene) -> list[Samples]:
             "channel once"
         )
     return [replace(item, names=tuple(names)) for item in found]
+
+
+def reordered(samples: Samples, names: tuple[str, ...]) -> Samples:
+    """With its channels in the order of these names, if it has all of them."""
+    if samples.names == names or set(samples.names) != set(names):
+        return samples
+    order = [samples.names.index(name) for name in names]
+    made = samples.noted("channels in the order of the first recording")
+    return replace(made, names=names, values=samples.values[:, order])
 
 
 def loaded(item: Recording, scene: RecordedScene) -> Samples:
@@ -98,6 +109,7 @@ def loaded(item: Recording, scene: RecordedScene) -> Samples:
         lengths = ", ".join(f"{name} {len(part)}" for name, part in zip(chosen, parts))
         raise DataError(f"{where}: channels of different lengths ({lengths}); name those to use")
     values = np.hstack(parts) * METRES[scene.length_unit]
+    values[np.isinf(values)] = np.nan
     if time is None:
         if item.step is None:
             raise DataError(
@@ -239,16 +251,18 @@ def first_frequency(samples: Samples) -> float:
 
 
 def common_frequency(recordings: list[Samples], given: float | None) -> float:
-    """The first frequency [Hz] of a body: given, or the median of its recordings. Raises DataError
+    """The first frequency [Hz] of a body: given, or the middle one of its recordings. DataError
     where one of them is far from it.
     """
     found = np.array([first_frequency(item) for item in recordings])
-    middle = float(np.median(found)) if given is None else given
+    order = found.argsort()
+    usual = int(order[len(order) // 2])
+    middle = float(found[usual]) if given is None else given
     off = np.maximum(found / middle, middle / found)
     if given is None and off.max() > APART:
-        far = recordings[int(off.argmax())]
+        far = int(off.argmax())
         raise DataError(
-            f"{far.where}: its first frequency is {found[off.argmax()]:.4g} Hz, that of the others "
-            f"{middle:.4g} Hz; correct time_unit, or the time of that file"
+            f"{recordings[far].where}: its first frequency is {found[far]:.4g} Hz, that of "
+            f"{recordings[usual].where} {middle:.4g} Hz; correct time_unit, or the time of one file"
         )
     return middle

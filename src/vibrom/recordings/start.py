@@ -17,6 +17,7 @@ from vibrom.artefacts.files import DataError, write
 from vibrom.config.recorded import METRES, SECONDS, RecordedScene, Recording
 from vibrom.recordings import files, samples
 
+TIMES = ("time", "t", "zeit", "seconds", "sec")  # names of instants, without their unit
 PAIR = re.compile(r"(.+)\{(\d+),1\}")  # x{1,1} instants, x{1,2} channels, x{2,1} instants, ...
 UNIT = re.compile(r"[\[(/]\s*(\w+)\s*[\])]?\s*$")  # time [ms], x (mm), x / mm
 TEXT = """\
@@ -52,15 +53,16 @@ experiments:
 """
 
 
-def written(paths: list[Path], out: Path) -> str:
-    """Writes the scene's file and says in a few lines what was found. Raises DataError where the
-    files cannot be used, or the scene is there already.
+def written(paths: list[Path], out: Path, step: float | None = None) -> str:
+    """Writes the scene's file and says in a few lines what was found; `step`, in the unit of time,
+    is that between samples of files without instants. Raises DataError where the files cannot be
+    used, or the scene is there already.
     """
     if out.exists():
         raise DataError(f"{out}: is there already; choose another name or remove it")
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*\.yaml", out.name):
         raise DataError(f"{out}: the name of a scene has letters, digits, '_', '-' and '.yaml'")
-    found = [entry for path in paths for entry in recordings_in(path)]
+    found = [entry for path in paths for entry in recordings_in(path, step)]
     time_unit, length_unit = units(paths)
     scene = described(found, time_unit, length_unit)
     loaded = samples.load(scene)
@@ -84,7 +86,7 @@ def counted(number: int, what: str) -> str:
     return f"{number} {what}{'s' if number != 1 else ''}"
 
 
-def recordings_in(path: Path) -> list[Recording]:
+def recordings_in(path: Path, step: float | None = None) -> list[Recording]:
     """Those of one file, all for training."""
     arrays = files.read(path)
     pairs = [
@@ -98,31 +100,40 @@ def recordings_in(path: Path) -> list[Recording]:
             for time, channels in pairs
         ]
     if len(arrays) == 1:
-        return [Recording(file=str(path), role="train")]
-    time = next((name for name in samples.TIMES if name in arrays), None)
-    time = time or next((name for name, values in arrays.items() if rises(values)), None)
-    if time is None:
+        return [Recording(file=str(path), role="train", step=step)]
+    longest = max(max(values.shape, default=1) for values in arrays.values())
+    time = None if step else time_in(path, arrays)
+    length = arrays[time].size if time else longest
+    channels = [
+        name
+        for name, values in arrays.items()
+        if name != time and length in values.shape and not rises(values)
+    ]
+    return [Recording(file=str(path), role="train", time=time, channels=tuple(channels), step=step)]
+
+
+def time_in(path: Path, arrays: files.Arrays) -> str:
+    """The name of the instants: one that says so, else the first array that rises."""
+    rising = [name for name, values in arrays.items() if rises(values)]
+    named = [name for name in rising if samples.clean(name).lower() in TIMES]
+    if not rising:
         known = ", ".join(arrays)
-        raise DataError(f"{path}: no instants among {known}; write the scene's file by hand")
-    length = arrays[time].size
-    channels = [name for name, values in arrays.items() if name != time and length in values.shape]
-    return [Recording(file=str(path), role="train", time=time, channels=tuple(channels))]
+        raise DataError(
+            f"{path}: no instants among {known}; give the time between samples as step (--step)"
+        )
+    return (named or rising)[0]
 
 
 def rises(values: np.ndarray) -> bool:
-    """Could these be instants?"""
-    return (
-        values.size > 2
-        and values.size in values.shape
-        and bool((np.diff(values.ravel()) > 0).all())
-    )
+    """Could these be instants, or a counter?"""
+    rising = np.diff(values[np.isfinite(values)])
+    return values.size in values.shape and len(rising) > 1 and bool((rising > 0).all())
 
 
 def units(paths: list[Path]) -> tuple[str, str]:
     """Of time and length, as the names in the files say; s and m where they do not."""
-    found = [
-        match[1] for path in paths for name in files.read(path) if (match := UNIT.search(name))
-    ]
+    said = [word for path in paths for word in (*files.read(path), *files.units(path))]
+    found = [match[1] for word in said if (match := UNIT.search(word))]
     time = next((word for word in found if word in SECONDS), "s")
     return time, next((word for word in found if word in METRES), "m")
 
@@ -130,6 +141,9 @@ def units(paths: list[Path]) -> tuple[str, str]:
 def described(found: list[Recording], time_unit: str, length_unit: str) -> RecordedScene:
     """The scene of these recordings, with roles."""
     plain = [item.to_builtins() for item in found]
+    for place, item in enumerate(plain):
+        if item in plain[:place]:
+            raise DataError(f"{item['file']}: is given twice; a test needs a motion of its own")
     if len(plain) == 1:
         # Read in seconds whatever the unit is: `begin` and `end` are in the file's.
         one = samples.loaded(found[0], scene_of(plain * 2, "s", length_unit))
