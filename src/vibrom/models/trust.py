@@ -32,28 +32,28 @@ class Residual:
     def __init__(self, term: Term):
         self.term = term
         self.rest, _ = linearised(term)
-        self.held = self._forces(self.rest, np.zeros(term.size))
-        self._materials: dict[float, Material] = {}
+        self.held = self._forces(self.rest[None], np.zeros((1, term.size)))
+        self._material = Material(term)
 
     def _forces(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        f = np.zeros((len(q), 1))
-        q, v = (np.array(part[:, None], order="C") for part in (q, v))
-        for force in self.term.forces:
-            force.kernels(1)[0](q, v, force.dofs, force.table, f)
-        return f[:, 0]
+        """Of states (m, n), one after the other."""
+        f = np.zeros((*q.shape, 1))
+        for one, rate, total in zip(q, v, f):
+            state = one[:, None].copy(), rate[:, None].copy()
+            for force in self.term.forces:
+                force.kernels(1)[0](*state, force.dofs, force.table, total)
+        return f[:, :, 0]
 
     def __call__(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-        """The residual r (n,) [N] of a displacement from rest and its derivatives (n,)."""
-        total = self.term.mass @ a + self._forces(self.rest + q, v) - self.held
+        """The residuals r (m, n) [N] of displacements from rest and their derivatives (m, n)."""
+        total = (self.term.mass @ a.T).T + self._forces(self.rest + q, v) - self.held
         for part, motion in ((self.term.damping, v), (self.term.stiffness, q)):
-            total = total if part is None else total + part @ motion
+            total = total if part is None else total + (part @ motion.T).T
         return total
 
     def balance(self, q: np.ndarray, r: np.ndarray, omega: float) -> np.ndarray:
-        """A^-1 r (n,) [m]."""
-        if omega not in self._materials:
-            self._materials[omega] = Material(self.term, omega**2)
-        return self._materials[omega].solve(self.rest + q, r)
+        """A^-1 r (m, n) [m]."""
+        return self._material.solve(self.rest + q, r, omega**2)
 
 
 def ellipse(reach: np.ndarray, oscillator: int, amplitude: float) -> np.ndarray:
@@ -100,11 +100,8 @@ def equation_error(residual: Residual, rom: Rom, z: np.ndarray) -> float:
         q, v, a = motion(rom, z)
         if not np.isfinite([q, v, a]).all():
             return float("inf")
-        errors = [
-            np.linalg.norm(residual.balance(state[0], residual(*state), omega))
-            for state in zip(q, v, a)
-        ]
-    return float(np.max(errors) / np.linalg.norm(q, axis=1).max())
+        balance = residual.balance(q, residual(q, v, a), omega)
+    return float(np.linalg.norm(balance, axis=1).max() / np.linalg.norm(q, axis=1).max())
 
 
 def trusted(

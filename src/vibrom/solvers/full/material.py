@@ -22,14 +22,14 @@ WIDEST = 100  # half bandwidth that is still factorised as a band
 
 
 class Material:
-    """A of a term and a scale s of its mass [1/s^2]."""
+    """A of a term, at several displacements and any scale s of its mass [1/s^2]."""
 
-    def __init__(self, term: Term, scale: float):
+    def __init__(self, term: Term):
         self.n = term.size
         potentials = [
             part for force in term.forces if force.quartic is not None for part in force.quartic()
         ]
-        linear = [coo_matrix(scale * term.mass)]
+        linear = [coo_matrix(term.mass)]
         linear += [] if term.stiffness is None else [coo_matrix(term.stiffness)]
         squares = [_Square(part) for part in potentials]
         rows, columns = (
@@ -38,23 +38,32 @@ class Material:
         )
         keys, place = np.unique(columns * np.int64(self.n) + rows, return_inverse=True)
         self.row, self.column = keys % self.n, keys // self.n
+        self.half = int(np.abs(self.row - self.column).max())
         ends = np.cumsum([len(part.row) for part in (*linear, *squares)])[:-1]
         places = np.split(place, ends)
-        self.base = sum(
+        self.linear = [
             np.bincount(where, part.data, len(keys)) for where, part in zip(places, linear)
-        )
+        ]
         self.parts = [
             (part, part.spread(where, len(keys)))
             for where, part in zip(places[len(linear) :], squares)
         ]
 
-    def at(self, q: np.ndarray) -> np.ndarray:
-        """Its entries at `row` and `column` of a displacement (n,)."""
-        return self.base + sum(spread @ part.moduli(q) for part, spread in self.parts)
+    def at(self, q: np.ndarray, scale: float) -> np.ndarray:
+        """Its entries (m, k) at `row` and `column` of displacements (m, n)."""
+        mass, *stiffness = self.linear
+        found = np.tile(scale * mass + sum(stiffness), (len(q), 1))
+        for part, spread in self.parts:
+            found += (spread @ part.moduli(q)).T
+        return found
 
-    def solve(self, q: np.ndarray, r: np.ndarray) -> np.ndarray:
-        """A(q)^-1 r (n,)."""
-        values, half = self.at(q), int(np.abs(self.row - self.column).max())
+    def solve(self, q: np.ndarray, r: np.ndarray, scale: float) -> np.ndarray:
+        """A(q)^-1 r (m, n) of displacements and right sides (m, n)."""
+        return np.stack([self._solved(*one) for one in zip(self.at(q, scale), r)])
+
+    def _solved(self, values: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """Of entries (k,) and a right side (n,)."""
+        half = self.half
         if half > WIDEST:
             matrix = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
             return splu(matrix).solve(r)
@@ -82,22 +91,23 @@ class _Square:
         k = potential.linear.shape[1]
         self.between = (component[left] * k + component[right]) * points + point[left]
         self.count = k * k * points
-        self.undeformed = self._moduli(np.zeros(local.shape[1]))
+        self.undeformed = self._moduli(np.zeros((1, local.shape[1])))
 
     def spread(self, place: np.ndarray, size: int) -> csr_matrix:
         """(size, k k points): what stands between goes to these places (l,) of the entries."""
         return csr_matrix((self.value, (place, self.between)), shape=(size, self.count))
 
     def moduli(self, q: np.ndarray) -> np.ndarray:
-        """w (J' D J - L' D L) of all points, flat."""
+        """w (J' D J - L' D L) of all points (k k points, m), of displacements (m, n)."""
         return self._moduli(q) - self.undeformed
 
     def _moduli(self, q: np.ndarray) -> np.ndarray:
-        part = self.potential
-        y = (part.local @ q).reshape(-1, len(part.weight))
-        slope = part.linear[:, :, None] + 2.0 * np.einsum("mij,ip->mjp", part.square, y)
-        stress = np.einsum("ml,ljp->mjp", part.moduli, slope)
-        return (np.einsum("mip,mjp->ijp", slope, stress) * part.weight).ravel()
+        part, points = self.potential, len(self.potential.weight)
+        y = (part.local @ q.T).reshape(-1, points, len(q))
+        slope = part.linear[:, :, None, None] + 2.0 * np.einsum("mij,ips->mjps", part.square, y)
+        stress = np.einsum("ml,ljps->mjps", part.moduli, slope)
+        found = np.einsum("mips,mjps->ijps", slope, stress) * part.weight[:, None]
+        return found.reshape(-1, len(q))
 
 
 def _pairs(point: np.ndarray, points: int) -> Iterator[np.ndarray]:
