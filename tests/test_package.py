@@ -6,6 +6,8 @@ import sys
 import zipfile
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 EXTRAS = (
     "torch",
@@ -49,9 +51,13 @@ def test_a_model_is_made_stored_opened_and_asked_without_any_extra():
     assert answer.stdout.split() == ["ok"], answer.stderr
 
 
-def test_training_without_torch_says_which_extra_has_it():
-    answer = python("import vibrom.latent.learner", ROOT / "src")
-    assert "install vibrom[train]" in answer.stderr
+@pytest.mark.parametrize(
+    ("module", "extra"),
+    [("latent.learner", "train"), ("report.page", "workflow"), ("tracking", "workflow")],
+)
+def test_what_is_missing_is_said_with_the_extra_that_has_it(module, extra):
+    answer = python(f"import vibrom.{module}", ROOT / "src")
+    assert f"which is not installed; install vibrom[{extra}]" in answer.stderr
 
 
 def test_what_is_installed_is_said_by_one_command():

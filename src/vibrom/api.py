@@ -165,6 +165,8 @@ def fit(
     """A model that a method of `src/vibrom/methods` learns from the training motions; `settings`
     are its fields. Methods that draw random numbers take a seed.
     """
+    if method not in plugs.names("methods"):
+        _refuse(("method",), method, f"is not known; {closest(method, plugs.names('methods'))}")
     chosen = method_from_settings(method, settings)
     rom = chosen.learn(Training(recorded.train, seed=seed))
     reduced = Reduced(rom, recorded.in_phase, recorded.places, recorded.frequency, Integrator())

@@ -69,6 +69,8 @@ def test_wrong_settings_and_methods_are_one_line():
     with pytest.raises(SettingsError, match="time_unit = 'h' is not known"):
         vibrom.load(["a.csv"], time_unit="h")
     data = vibrom.of_arrays(TIME, [IT.motion(TIME, 1.0)], [])
+    with pytest.raises(SettingsError, match="method = 'ssmlaern' is not known; did you mean"):
+        vibrom.fit(data, "ssmlaern")
     with pytest.raises(Unsupported, match="modal_projection needs mass"):
         vibrom.fit(data, "modal_projection")
 

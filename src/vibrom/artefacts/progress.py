@@ -1,14 +1,12 @@
-"""Progress of long steps: how far, how fast, how long still. On a terminal a bar, in a log a line
-now and then.
+"""Progress of long steps: how far, how fast, how long still. On a terminal a bar, where rich is
+installed; else a line now and then.
 """
 
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from importlib.util import find_spec
 
 LINE_EVERY = 10.0  # s between two lines of a log
 
@@ -16,22 +14,8 @@ LINE_EVERY = 10.0  # s between two lines of a log
 @contextmanager
 def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
     """Gives `advance(count)`."""
-    console = Console(stderr=True)
-    if console.is_terminal:
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:3.0f} %  {task.fields[rate]}"),
-            TimeRemainingColumn(),
-        )
-        with Progress(*columns, console=console, transient=True) as progress:
-            task, started = progress.add_task(title, total=total, rate=""), time.monotonic()
-
-            def advance(count: int) -> None:
-                done = progress.tasks[0].completed + count
-                rate = done / max(time.monotonic() - started, 1e-9)
-                progress.update(task, advance=count, rate=f"{_short(rate)} {unit}/s")
-
+    if sys.stderr.isatty() and find_spec("rich"):
+        with _drawn(title, total, unit) as advance:
             yield advance
         return
     state = {"done": 0, "spoken": time.monotonic()}
@@ -52,6 +36,28 @@ def bar(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
             )
 
     yield speak
+
+
+@contextmanager
+def _drawn(title: str, total: int, unit: str) -> Iterator[Callable[[int], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %  {task.fields[rate]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task, started = progress.add_task(title, total=total, rate=""), time.monotonic()
+
+        def advance(count: int) -> None:
+            done = progress.tasks[0].completed + count
+            rate = done / max(time.monotonic() - started, 1e-9)
+            progress.update(task, advance=count, rate=f"{_short(rate)} {unit}/s")
+
+        yield advance
 
 
 def _short(rate: float) -> str:

@@ -1,10 +1,8 @@
 """torch, which only training needs. Where it is missing, the error says which extra brings it."""
 
-try:
-    import torch
-except ModuleNotFoundError as missing:
-    raise ModuleNotFoundError(
-        "training an autoencoder needs torch, which is not installed; install vibrom[train]"
-    ) from missing
+from vibrom.artefacts.extras import need
+
+need("torch", "training an autoencoder", "train")
+import torch  # noqa: E402
 
 __all__ = ["torch"]

@@ -22,7 +22,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from vibrom.tracking import stored_model, views
+from vibrom.artefacts.extras import need
+
+need("mlflow", "tracking", "workflow")
+from vibrom.tracking import stored_model, views  # noqa: E402
 
 EXPERIMENT = "vibrom"
 NOTE = (
