@@ -113,12 +113,17 @@ def save_dataset(
         dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
 
 
-def open_dataset(path: str | Path, kind: str) -> xr.Dataset:
-    """The dataset of this kind at `path`, in memory."""
+def open_dataset(path: str | Path, kind: str, *, lazy: bool = False) -> xr.Dataset:
+    """The dataset of this kind at `path`: in memory, or `lazy`, on disk until something is read of
+    it, and to be closed.
+    """
     if not Path(path).exists():
         raise DataError(f"{path}: no such file; run the rule that makes this {kind}")
     try:
-        dataset = xr.load_dataset(path, engine="netcdf4")
+        dataset = xr.open_dataset(path, engine="netcdf4", cache=False)
+        if not lazy:
+            with dataset:
+                dataset = dataset.load()
     except (OSError, ValueError, RuntimeError) as error:
         raise identity.unreadable(path, error) from error
     identity.check_version(path, dataset.attrs)

@@ -23,6 +23,7 @@ from vibrom.artefacts.files import DataError
 from vibrom.config.digest import digest
 from vibrom.config.places import FULL_ORDER, UNSEEDED
 
+BLOCK = 2**25  # bytes that are read at a time
 FITTED_ONCE = -1  # the attribute `seed` of what is made without one
 ROLES = ("train", "test")  # artefacts that are named by their role, and not by their kind
 SEED_FOLDER = re.compile(rf"{UNSEEDED}|seed_(\d+)")
@@ -94,15 +95,25 @@ def content(dataset: xr.Dataset) -> str:
     for name in sorted(map(str, dataset.variables)):
         array = dataset.variables[name]
         whole.update(f"\n{name} {array.dims} {array.shape} {_text(array.attrs)}\n".encode())
-        values = np.asarray(array.values)
-        if not values.size:  # a file keeps no kind of none
+        if not array.size:  # a file keeps no kind of none
             continue
-        if values.dtype.kind in "OSU":
-            whole.update("\0".join(map(str, values.ravel())).encode())
+        if array.dtype.kind in "OSU":
+            whole.update("\0".join(map(str, array.values.ravel())).encode())
         else:
-            whole.update(values.dtype.str.encode())
-            whole.update(np.ascontiguousarray(values).data)
+            whole.update(array.dtype.str.encode())
+            for values in _blocks(array):
+                whole.update(np.ascontiguousarray(values).data)
     return whole.hexdigest()[:16]
+
+
+def _blocks(array: xr.Variable) -> Iterator[np.ndarray]:
+    """The values, some rows at a time: they may lie on disk and be larger than memory."""
+    if array.nbytes <= BLOCK:
+        yield np.asarray(array.values)
+        return
+    rows = max(1, BLOCK * len(array) // array.nbytes)
+    for first in range(0, len(array), rows):
+        yield np.asarray(array[first : first + rows].values)
 
 
 def _text(attributes: Mapping[str, Any]) -> str:
@@ -156,7 +167,7 @@ def stale(
     `inputs` are those that exist. What an outside tool does not say is not compared.
     """
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
+        with xr.open_dataset(path, engine="netcdf4", cache=False) as opened:
             attributes = opened.attrs
             check_place(path, attributes)
             check_content(path, opened)

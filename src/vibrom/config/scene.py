@@ -72,6 +72,9 @@ class Record(Block, frozen=True):
     # time steps of the converged test decay to each of the scene's; 0: there is none
     finer: Annotated[int, Meta(ge=0, multiple_of=2)] = 2
     balance: Tolerance = 0.01  # relative error of energy, work and losses
+    # of the numbers in the file: float32 takes half the space, rounds them to 6e-8 of their size,
+    # and the artefact says what that cost
+    stored: Literal["float64", "float32"] = "float64"
 
 
 class Time(Block, frozen=True):

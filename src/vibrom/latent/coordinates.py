@@ -8,12 +8,14 @@ vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over
 carries less than 5e-7 of the displacements is left out: what the data say of it is rounding.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from vibrom.models.samples import Samples, directions
 from vibrom.models.training import Structure, Training, Trajectory
 
 SMALLEST = 5e-7  # of the displacements: what a direction carries at least
@@ -46,18 +48,13 @@ class Coordinates:
         """(3, samples, k): c, dc/dtau, d2c/dtau2 of every k-th sample of each trajectory, one after
         the other.
         """
-        motions = [
-            (
-                item.displacement[::every],
-                item.velocity[::every] / self.frequency,
-                item.acceleration[::every] / self.frequency**2,
-            )
-            for item in trajectories
-        ]
+        names = ("displacement", "velocity", "acceleration")
         return np.stack(
             [
-                np.concatenate([self.reduce(motion[channel]) for motion in motions])
-                for channel in range(3)
+                Samples(tuple(item.columns(name) for item in trajectories))
+                .thinned(every)
+                .map(lambda rows, power=power: self.reduce(rows / self.frequency**power))
+                for power, name in enumerate(names)
             ]
         )
 
@@ -69,7 +66,7 @@ def choose(
     from the structure.
     """
     q = training.joined("displacement")
-    scale = float(np.sqrt(np.mean(np.sum(q**2, axis=1)))) if scaled else 1.0
+    scale = float(np.sqrt(np.mean(q.map(lambda rows: np.sum(rows**2, axis=1))))) if scaled else 1.0
     basis = _basis(q, rank, known(training, modes)) if rank else None
     return Coordinates(basis, scale, _frequency(training, time_scale))
 
@@ -81,25 +78,24 @@ def known(training: Training, modes: int) -> np.ndarray:
     return training.require_structure("linear: modes").leading(modes, "latent").T
 
 
-def _basis(q: np.ndarray, rank: int, first: np.ndarray) -> np.ndarray:
+def _basis(q: Samples, rank: int, first: np.ndarray) -> np.ndarray:
     rank = min(rank, *q.shape)
     first = np.linalg.qr(first)[0]
-    rest, smallest = q - (q @ first) @ first.T, SMALLEST * float(np.linalg.norm(q))
-    return np.linalg.qr(np.hstack([first, principal(rest, rank - first.shape[1], smallest)]))[0]
+    rest = (rows - (rows @ first) @ first.T for rows in q.blocks())
+    others = principal(rest, rank - first.shape[1], SMALLEST * q.norm())
+    return np.linalg.qr(np.hstack([first, others]))[0]
 
 
-def principal(q: np.ndarray, count: int, smallest: float = 0.0) -> np.ndarray:
-    """The first proper orthogonal directions (n, count) of samples (m, n), or as many as have a
-    singular value of at least `smallest`.
+def principal(q: Iterator[np.ndarray], count: int, smallest: float = 0.0) -> np.ndarray:
+    """The first proper orthogonal directions (n, count) of samples (m, n), which come in blocks of
+    rows, or as many as have a singular value of at least `smallest`.
     """
-    # Samples are many more than displacements, and their left vectors are not wanted: q = Q R has
-    # the singular values and directions of R.
-    _, values, directions = np.linalg.svd(np.linalg.qr(q, mode="r"), full_matrices=False)
-    directions = directions[:count][values[:count] >= smallest]
+    values, vectors = directions(q, count)
+    vectors = vectors[:count][values[:count] >= smallest]
     # The sign of a singular vector is the library's choice; the largest entry is made positive.
-    largest = np.abs(directions).argmax(axis=1)
-    signs = np.sign(directions[np.arange(len(directions)), largest])
-    return (directions * signs[:, None]).T
+    largest = np.abs(vectors).argmax(axis=1)
+    signs = np.sign(vectors[np.arange(len(vectors)), largest])
+    return (vectors * signs[:, None]).T
 
 
 def linear_parts(
@@ -115,7 +111,7 @@ def linear_parts(
         columns = chosen.reduce(modes.T).T
         rows = chosen.reduce((structure.mass @ modes).T) * chosen.scale**2
     else:
-        columns = principal(c, latent)
+        columns = principal(iter([c]), latent)
         rows = columns.T
     reach = np.abs(c @ rows.T).max(axis=0)
     return rows / reach[:, None], columns * reach
@@ -128,7 +124,7 @@ def _frequency(training: Training, time_scale: TimeScale) -> float:
         return float(training.structure.frequencies[0])
     # Without modes: |v| / |q|, which is the frequency for a vibration in one mode.
     velocity, displacement = training.joined("velocity"), training.joined("displacement")
-    return float(np.linalg.norm(velocity) / np.linalg.norm(displacement))
+    return velocity.norm() / displacement.norm()
 
 
 def linear_dynamics(structure: Structure, latent: int, frequency: float = 1.0) -> np.ndarray:

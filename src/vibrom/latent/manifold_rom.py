@@ -182,8 +182,11 @@ class ManifoldRom(Rom):
     def _dissipative(self, training: Training, order: int) -> ManifoldRom:
         """With dynamics of this order that cannot gain energy."""
         d = len(self.reach) // 2
-        z = self.encode(training.joined("state"))
-        motion = np.stack([z[:, :d], z[:, d:], self._rate(z, training.joined("rate"))[:, d:]])
+        z, rates = training.joined("state").map(self.encode), []
+        for block in training.joined("rate").blocks():
+            done = sum(map(len, rates))
+            rates.append(self._rate(z[done : done + len(block)], block)[:, d:])
+        motion = np.stack([z[:, :d], z[:, d:], np.concatenate(rates)])
         row = fit_dissipative(motion, self.reach, self.scale, order)
         powers = exponents(2, 0, max(order, int(self.powers.sum(axis=1).max())))
         parts = {

@@ -11,6 +11,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from vibrom.models.samples import Samples
 from vibrom.models.training import Underdetermined
 
 
@@ -55,7 +56,7 @@ def slopes(y: np.ndarray, powers: np.ndarray, along: np.ndarray) -> np.ndarray:
     return total
 
 
-def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
+def least_squares(library: np.ndarray, target: np.ndarray | Samples) -> np.ndarray:
     """R (m, l) that minimises |target - library R'|; library (samples, l), target (samples, m).
 
     Columns are scaled to unit length first, so that the rank decision of the SVD does not depend on
@@ -63,6 +64,8 @@ def least_squares(library: np.ndarray, target: np.ndarray) -> np.ndarray:
     repeat one another, or motions along fewer directions than there are variables. What the SVD
     would return then, the shortest of all that fit, is no model of anything.
     """
+    if isinstance(target, Samples):
+        return np.concatenate([least_squares(library, block) for _, block in target.columns()])
     samples, terms = library.shape
     size = np.linalg.norm(library, axis=0)
     size[size == 0.0] = 1.0

@@ -18,6 +18,7 @@ from vibrom.latent.dissipative import fit_dissipative
 from vibrom.latent.extrapolation import library
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.models.rom import Extrapolation, Guards, Rom, of_width, stored
+from vibrom.models.samples import Samples
 from vibrom.models.training import Training, Unsupported
 
 if TYPE_CHECKING:
@@ -120,11 +121,19 @@ class PolynomialRom(Rom):
 
 
 def fit_remainder(
-    z: np.ndarray, scale: np.ndarray, powers: np.ndarray, target: np.ndarray, linear: np.ndarray
+    z: np.ndarray,
+    scale: np.ndarray,
+    powers: np.ndarray,
+    target: np.ndarray | Samples,
+    linear: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """(coefficients, exponents) of  target = linear z + sum_k R_k Phi_k(z / s), the linear part (m,
     r) kept, R by least squares.
     """
     known = np.eye(len(scale), dtype=np.int64)
-    remainder = least_squares(monomials(z / scale, powers), target - z @ linear.T)
+    library = monomials(z / scale, powers)
+    columns = target.columns() if isinstance(target, Samples) else [(slice(None), target)]
+    remainder = np.concatenate(
+        [least_squares(library, block - z @ linear[some].T) for some, block in columns]
+    )
     return np.concatenate([linear * scale, remainder], axis=1), np.concatenate([known, powers])

@@ -61,7 +61,7 @@ class AutoencoderManifold(Method):
             push = symplectic_push(shape, velocity, structure.mass, basis, y)
             pushed = fitted(y, weight, push.reshape(len(y), -1), self.order_force, constant=True)
             rom = assembled(start.reach, basis, shape, velocity, drift, pushed)
-            return replace(rom, reach=np.abs(rom.encode(training.joined("state"))).max(axis=0))
+            return replace(rom, reach=np.abs(training.joined("state").map(rom.encode)).max(axis=0))
 
 
 def linear_part(structure: Structure, scale: np.ndarray) -> np.ndarray | None:

@@ -22,6 +22,7 @@ from vibrom.config.kinds import Whole
 from vibrom.latent.manifold_rom import ManifoldRom
 from vibrom.latent.polynomial import least_squares
 from vibrom.models.method import Method
+from vibrom.models.samples import Samples
 from vibrom.models.training import MethodError, Training
 
 SMALL = 1e-6  # of the range: where the linear part is taken
@@ -43,7 +44,10 @@ class EquationsCorrected(Method):
             )
         with training.monitor.phase("dynamics"):
             pole = _pole(start)
-            motions = [(part.time, start.encode(part.state)) for part in training.trajectories]
+            motions = [
+                (part.time, Samples((part.columns("state"),)).map(start.encode))
+                for part in training.trajectories
+            ]
             found = self._correction(start, pole, motions)
             reach = np.max([np.abs(z).max(axis=0) for _, z in motions], axis=0)
             return replace(start, reach=reach, dynamics=_corrected(start, pole, found))

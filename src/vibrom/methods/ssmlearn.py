@@ -46,7 +46,9 @@ class SsmLearn(Method):
         monitor, phi = training.monitor, structure.leading(self.modes)
         encoder, (d, n) = (structure.mass @ phi.T).T, phi.shape
         x = training.joined("state")
-        z = np.concatenate([x[:, :n] @ encoder.T, x[:, n:] @ encoder.T], axis=1)
+        z = x.map(
+            lambda rows: np.concatenate([rows[:, :n] @ encoder.T, rows[:, n:] @ encoder.T], axis=1)
+        )
         reach = np.abs(z).max(axis=0)
         with monitor.phase("mapping"):
             linear = np.zeros((2 * n, 2 * d))
@@ -65,7 +67,7 @@ class SsmLearn(Method):
     def _of_data(self, training: Training) -> PolynomialRom:
         monitor, q = training.monitor, training.joined("displacement")
         with monitor.phase("mapping"):
-            encoder = principal(q, self.modes).T
+            encoder = principal(q.blocks(), self.modes).T
             motion = [
                 training.joined(what) @ encoder.T
                 for what in ("displacement", "velocity", "acceleration")

@@ -10,15 +10,19 @@ import xarray as xr
 from scipy.sparse import csr_matrix
 
 from vibrom.artefacts.data import DataError
+from vibrom.models.samples import Samples
 from vibrom.models.training import Structure, Trajectory
 
+STENCIL = 7  # samples
 FIRST = np.array([-1 / 60, 3 / 20, -3 / 4, 0.0, 3 / 4, -3 / 20, 1 / 60])
 SECOND = np.array([1 / 90, -3 / 20, 3 / 2, -49 / 18, 3 / 2, -3 / 20, 1 / 90])
 
 
-def differences(displacement: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+def differences(
+    displacement: np.ndarray, step: float, some: slice = slice(None)
+) -> tuple[np.ndarray, np.ndarray]:
     """(velocity, acceleration) (m - 6, n) at the inner samples of `displacement` (m, n), `step`
-    seconds apart.
+    seconds apart, or at `some` of these.
 
     Take them before thinning the samples: motion of the higher modes between thinned samples would
     spoil them.
@@ -29,26 +33,29 @@ def differences(displacement: np.ndarray, step: float) -> tuple[np.ndarray, np.n
             f"{len(displacement)} samples are too few for differences over {len(FIRST)}; record a "
             "longer decay"
         )
-    windows = [displacement[shift : shift + inner] for shift in range(len(FIRST))]
+    windows = [displacement[shift : shift + inner][some] for shift in range(len(FIRST))]
     velocity = sum(c * w for c, w in zip(FIRST, windows) if c) / step
     return velocity, sum(c * w for c, w in zip(SECOND, windows)) / step**2
 
 
-def trajectories(dataset: xr.Dataset) -> tuple[Trajectory, ...]:
-    """The finite parts of recorded decays: one, or several that follow one another."""
+def trajectories(dataset: xr.Dataset, *, lazy: bool = False) -> tuple[Trajectory, ...]:
+    """The finite parts of recorded decays: one, or several that follow one another; `lazy` of a
+    dataset that is open, from which a sample is read when it is needed.
+    """
     if "part" not in dataset:
-        return (trajectory(dataset),)
+        return (trajectory(dataset, lazy=lazy),)
     part = dataset["part"].values
-    return tuple(trajectory(dataset.isel(time=part == number)) for number in np.unique(part))
+    each = (dataset.isel(time=part == number) for number in np.unique(part))
+    return tuple(trajectory(one, lazy=lazy) for one in each)
 
 
-def trajectory(dataset: xr.Dataset) -> Trajectory:
+def trajectory(dataset: xr.Dataset, *, lazy: bool = False) -> Trajectory:
     """The finite part of a recorded decay; of several, one after the other."""
-    finite = np.isfinite(dataset["displacement"].values).all(axis=1)
-    return Trajectory(
-        dataset["time"].values[finite],
-        *(dataset[name].values[finite] for name in ("displacement", "velocity", "acceleration")),
-    )
+    parts = [dataset[name].variable for name in ("displacement", "velocity", "acceleration")]
+    finite = Samples(((parts[0],),)).map(lambda block: np.isfinite(block).all(axis=1))
+    if not lazy or not finite.all():
+        parts = [part[finite] if lazy else part.values[finite] for part in parts]
+    return Trajectory(dataset["time"].values[finite], *parts)
 
 
 def structure(dataset: xr.Dataset) -> Structure | None:

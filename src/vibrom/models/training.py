@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.sparse import csr_matrix, identity
 
+from vibrom.models.samples import Samples
+
 if TYPE_CHECKING:
     from vibrom.term import Term
 
@@ -32,14 +34,17 @@ class TrainingDiverged(RuntimeError):
     """The loss became non-finite; says at which epoch."""
 
 
+BOTH = {"state": ("displacement", "velocity"), "rate": ("velocity", "acceleration")}
+
+
 @dataclass(frozen=True)
 class Trajectory:
-    """One decaying motion."""
+    """One decaying motion: arrays, or variables of a file that are read where they are sliced."""
 
     time: np.ndarray  # (m,) s
-    displacement: np.ndarray  # (m, n) m
-    velocity: np.ndarray  # (m, n) m/s
-    acceleration: np.ndarray  # (m, n) m/s^2
+    displacement: Any  # (m, n) m
+    velocity: Any  # (m, n) m/s
+    acceleration: Any  # (m, n) m/s^2
 
     def part(self, samples: slice) -> Trajectory:
         """Some of the samples."""
@@ -50,15 +55,21 @@ class Trajectory:
             self.acceleration[samples],
         )
 
+    def columns(self, what: str) -> tuple[Any, ...]:
+        """What stands side by side: one of displacement, velocity and acceleration, or both of a
+        `state` or a `rate`.
+        """
+        return tuple(getattr(self, name) for name in BOTH.get(what, (what,)))
+
     @property
     def state(self) -> np.ndarray:
         """Displacement, then velocity (m, 2n)."""
-        return np.concatenate([self.displacement, self.velocity], axis=-1)
+        return np.concatenate(self.columns("state"), axis=-1)
 
     @property
     def rate(self) -> np.ndarray:
         """Velocity, then acceleration (m, 2n)."""
-        return np.concatenate([self.velocity, self.acceleration], axis=-1)
+        return np.concatenate(self.columns("rate"), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -148,26 +159,26 @@ class Training:
     def __post_init__(self) -> None:
         if self.term is not None and not self.trajectories:
             return
-        if not any(np.any(item.displacement) for item in self.trajectories):
+        if self.joined("displacement").all(lambda block: block == 0.0):
             raise MethodError(
                 "the training data hold no motion: every displacement is zero; release the body "
                 "away from rest, or list an effect that brings a load"
             )
-        if not all(np.isfinite(item.acceleration).all() for item in self.trajectories):
+        if not self.joined("acceleration").all(np.isfinite):
             raise MethodError("the training data are not finite; leave out what is not")
 
-    def joined(self, what: str) -> np.ndarray:
+    def joined(self, what: str) -> Samples:
         """`displacement`, `velocity`, `acceleration`, `state` or `rate` of all trajectories, one
         after the other.
         """
-        return np.concatenate([getattr(item, what) for item in self.trajectories])
+        return Samples(tuple(item.columns(what) for item in self.trajectories))
 
     @property
     def mass(self) -> csr_matrix:
         """M (n, n); one where it is not known, and loads are accelerations."""
         if self.structure is not None:
             return self.structure.mass
-        return identity(self.trajectories[0].displacement.shape[1], format="csr")
+        return identity(self.joined("displacement").shape[1], format="csr")
 
     def require_structure(self, method: str) -> Structure:
         """The structure; Unsupported, with the name of the method, where there is none."""

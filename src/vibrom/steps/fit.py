@@ -138,7 +138,7 @@ def run(
     asks for the equations of motion is given the blocks of the `scene` instead of `train`.
     """
     given = Recipe(**recipe)
-    motion = open_dataset(train, "trajectory") if train else None
+    motion = open_dataset(train, "trajectory", lazy=True) if train else None
     known = open_dataset(structure, "structure")
     begun = open_dataset(start, "rom") if start else None
     monitor = FileMonitor(checkpoint, given.title)
@@ -193,7 +193,7 @@ def fit_or_reason(
             )
         method.prepare(recipe.device)
         training = Training(
-            () if motion is None else trajectories(motion),
+            () if motion is None else trajectories(motion, lazy=True),
             operators(known),
             recipe.seed,
             recipe.device,

@@ -7,31 +7,29 @@ time integration: from the same first state, without numerical damping, by Richa
 extrapolation of two steps h and h/2 (`record.finer`):
 
     q = (4 q_(h/2) - q_h) / 3
+
+All of them go to the file as they come: a decay needs not fit into memory.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts.data import (
-    label,
-    open_dataset,
-    outcome_variables,
-    save_dataset,
-    variable,
-)
+from vibrom.artefacts.data import label, open_dataset, outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.artefacts.stream import Growing, growing
 from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Record, Time
 from vibrom.models.balance import balance_variable, checked
 from vibrom.models.full_order import FullOrder
-from vibrom.models.measures import nmte_percent
-from vibrom.models.model import Watch
-from vibrom.models.recorded import differences
+from vibrom.models.recorded import STENCIL, differences
 from vibrom.solvers.full.newmark import Record as Kept
+
+BESIDE = "converged_displacement"
 
 
 def run(
@@ -47,69 +45,121 @@ def run(
     known = open_dataset(structure, "structure")
     model, record = FullOrder.of_scene(scene, known), Record.from_builtins(scene["record"])
     shape = open_dataset(release, "release")["displacement"].sel(role=role).values
-    step, steps = model.period / model.steps_per_period, record.periods * model.steps_per_period
-    start = np.concatenate([shape, np.zeros_like(shape)])[None]
-    keep = Kept(probes=model.probes)
-    motion, balance = model.balanced(start, np.array([step]), steps, keep, None)
-    ended = checked(np.array(motion.outcomes, dtype=object), balance, record.balance)
-    time, probes = motion.kept * step, motion.probes[0]
-    q, v, a = motion.displacement[0], motion.velocity[0], motion.acceleration[0]
-    if record.derivatives == "differences":
-        v, a = differences(q, step)
-        time, q, probes = time[3:-3], q[3:-3], probes[:, 3:-3]
-    dims = ("time", "dof")
-    kept = slice(None, None, Time.from_builtins(scene["time"]).every)
-    dataset = xr.Dataset(
-        {
-            "displacement": variable(dims, q[kept], "m", "displacement of each free dof"),
-            "velocity": variable(dims, v[kept], "m s-1", "velocity of each free dof"),
-            "acceleration": variable(dims, a[kept], "m s-2", "acceleration of each free dof"),
-            "probe_displacement": variable(
-                ("probe", "time"), probes[:, kept], "m", "displacement at the probes"
-            ),
-            "period": variable((), model.period, "s", "period of the damped first mode"),
-            **balance_variable((), balance),
-            **outcome_variables(ended[0], motion.failed_at[0], motion.seconds),
-        },
-        coords={
-            "time": variable("time", time[kept], "s", "time since release"),
-            "probe": known["probe"].variable,
-        },
-    )
-    if role == "test" and record.finer and Outcome(ended[0]).has_value:
-        dataset = dataset.assign(without_errors(model, record.finer, dataset))
-    dataset = label(
-        dataset,
-        "trajectory",
-        scene=str(known.attrs["scene"]),
-        method=FULL_ORDER,
-        role=role,
-        derivatives=record.derivatives,
-        iterations=motion.iterations,
-        factorisations=motion.factorisations,
-    )
-    save_dataset(dataset, trajectory, provenance)
+    steps, every = record.periods * model.steps_per_period, Time.from_builtins(scene["time"]).every
+    lost = STENCIL // 2 if record.derivatives == "differences" else 0
+    kept = np.arange(lost, steps + 1 - lost, every)
+    sizes, finer = {"time": len(kept), "dof": model.size}, record.finer if role == "test" else 0
+    with growing(trajectory, sizes, record.stored, 4 if finer else 3) as file:
+        step = model.period / model.steps_per_period
+        rows = Rows(file, model.rest, step, every, lost)
+        keep = Kept(every=1 if lost else every, probes=model.probes, sink=rows)
+        start = np.concatenate([shape, np.zeros_like(shape)])[None]
+        motion, balance = model.balanced(start, np.array([step]), steps, keep, None)
+        ended = checked(np.array(motion.outcomes, dtype=object), balance, record.balance)
+        probes = motion.probes[0][:, kept]
+        dataset = xr.Dataset(
+            {
+                "probe_displacement": variable(
+                    ("probe", "time"), probes, "m", "displacement at the probes"
+                ),
+                "period": variable((), model.period, "s", "period of the damped first mode"),
+                **balance_variable((), balance),
+                **outcome_variables(ended[0], motion.failed_at[0], motion.seconds),
+            },
+            coords={
+                "time": variable("time", kept * step, "s", "time since release"),
+                "probe": known["probe"].variable,
+            },
+        )
+        if finer and Outcome(ended[0]).has_value:
+            dataset = dataset.assign(converged_nmte=converged(model, finer, every, len(kept), file))
+        dataset = label(
+            dataset,
+            "trajectory",
+            scene=str(known.attrs["scene"]),
+            method=FULL_ORDER,
+            role=role,
+            derivatives=record.derivatives,
+            iterations=motion.iterations,
+            factorisations=motion.factorisations,
+        )
+        file.finish(dataset, provenance)
 
 
-def without_errors(model: FullOrder, finer: int, own: xr.Dataset) -> dict[str, xr.Variable]:
-    """The converged motion beside a recorded one, and the error of that."""
-    q, v = own["displacement"].values, own["velocity"].values
-    truth = converged(model, finer, np.concatenate([q[0], v[0]]), own["time"].values)
-    return {
-        "converged_displacement": variable(
-            ("time", "dof"), truth, "m", "displacement without errors in time"
-        ),
-        "converged_nmte": variable(
-            (), nmte_percent(truth, q), "percent", "NMTE of the recorded decay against it"
-        ),
-    }
+@dataclass
+class Rows:
+    """To the file, every so many steps: displacement, velocity and acceleration, where steps are
+    `lost` at both ends by differences of the displacements of all of them.
+    """
+
+    file: Growing
+    rest: np.ndarray  # (n,) m
+    step: float  # s
+    every: int
+    lost: int  # 0: velocity and acceleration are the integrator's
+    before: np.ndarray = field(init=False)  # (up to 2 lost, n) m, of the last steps
+    done: int = 0  # rows
+
+    def __post_init__(self) -> None:
+        self.before = np.zeros((0, len(self.rest)))
+        self.file.add("displacement", "m", "displacement of each free dof")
+        self.file.add("velocity", "m s-1", "velocity of each free dof")
+        self.file.add("acceleration", "m s-2", "acceleration of each free dof")
+
+    def see(
+        self, steps: np.ndarray, where: slice, q: np.ndarray, v: np.ndarray, a: np.ndarray
+    ) -> None:
+        """See `Sink`."""
+        rows = [q[:, :, 0] - self.rest, v[:, :, 0], a[:, :, 0]]
+        if self.lost and len(steps):
+            first = int(steps[0]) - len(self.before)
+            whole = np.concatenate([self.before, rows[0]])
+            self.before = whole[-2 * self.lost :].copy()
+            if len(whole) <= 2 * self.lost:
+                return
+            some = slice(-first % self.every, None, self.every)
+            rows = [whole[self.lost : -self.lost][some], *differences(whole, self.step, some)]
+        for name, values in zip(("displacement", "velocity", "acceleration"), rows):
+            self.file.write(name, self.done, values)
+        self.done += len(rows[0])
 
 
-def converged(model: FullOrder, finer: int, state: np.ndarray, instants: np.ndarray) -> np.ndarray:
-    """The displacement (m, n) at these instants (m,) from a state (2n,) at the first of them."""
-    watch = Watch(instants - instants[0])
-    coarse, fine = (
-        model.with_steps(steps * model.steps_per_period).motion(state[None], None, watch)
-        for steps in (finer // 2, finer)
-    )
-    return (4.0 * fine.displacement[0][0] - coarse.displacement[0][0]) / 3.0
+@dataclass
+class Beside:
+    """To the file, displacements at h, then (4 q - that)/3 with those at h/2; and how far from the
+    recorded ones these are.
+    """
+
+    file: Growing
+    rest: np.ndarray  # (n,) m
+    fine: bool = False
+    done: int = 0  # rows
+    sizes: list[np.ndarray] = field(default_factory=list)  # m, norms
+    errors: list[np.ndarray] = field(default_factory=list)  # m, norms
+
+    def see(
+        self, steps: np.ndarray, where: slice, q: np.ndarray, v: np.ndarray, a: np.ndarray
+    ) -> None:
+        """See `Sink`."""
+        rows = q[:, :, 0] - self.rest
+        if self.fine:
+            rows = (4.0 * rows - self.file.read(BESIDE, self.done, len(rows))) / 3.0
+            own = self.file.read("displacement", self.done, len(rows))
+            self.sizes.append(np.linalg.norm(rows, axis=-1))
+            self.errors.append(np.linalg.norm(rows - own, axis=-1))
+        self.file.write(BESIDE, self.done, rows)
+        self.done += len(rows)
+
+
+def converged(model: FullOrder, finer: int, every: int, count: int, file: Growing) -> xr.Variable:
+    """The NMTE of a recorded motion against the converged one, which goes to the file beside it."""
+    file.add(BESIDE, "m", "displacement without errors in time")
+    start = np.concatenate([file.read(name, 0, 1)[0] for name in ("displacement", "velocity")])
+    for part in (finer // 2, finer):
+        other = model.with_steps(part * model.steps_per_period)
+        beside = Beside(file, model.rest, fine=part == finer)
+        keep, steps = Kept(every=part * every, sink=beside), (count - 1) * part * every
+        other.run(start[None], np.array([other.period / other.steps_per_period]), steps, keep, None)
+    sizes, errors = np.concatenate(beside.sizes), np.concatenate(beside.errors)
+    words = "NMTE of the recorded decay against it"
+    return variable((), 100.0 * errors.mean() / sizes.max(), "percent", words)

@@ -56,7 +56,7 @@ def march(
     for first in range(0, max(steps, 1), stepper.chunk):
         span = Span(first, min(first + stepper.chunk, steps))
         stored = stepper.advance(span, store)
-        _move(store, stored, span, record, motion, where)
+        _move(store, stored, span, stepper.failed, record, motion, where)
         if record.observer is not None:
             _show(store, span, record.observer, where)
         if progress is not None:
@@ -64,9 +64,6 @@ def march(
     for state, failed in zip(range(where.start, where.stop), stepper.failed):
         if failed >= 0:
             motion.failed_at[state] = failed
-            for values in (motion.displacement, motion.velocity, motion.acceleration):
-                values[state, motion.kept >= failed] = np.nan
-            motion.probes[state, :, max(failed - record.probe_start, 0) :] = np.nan
     motion.iterations += int(stepper.iterations[0])
     motion.factorisations += int(stepper.factorisations[0])
 
@@ -85,24 +82,41 @@ def _show(store: Store, span: Span, observer: Observer, where: slice) -> None:
     apart, live = store.apart, where.stop - where.start
     first = span.first if span.first == 0 else span.first + 1
     numbers = np.arange(-(-first // apart) * apart, span.last + 1, apart)
+    if not len(numbers):
+        return
     rows = numbers // apart - span.first // apart
     parts = (part[rows, :, :live] for part in (store.seen_q, store.seen_v, store.seen_a))
     observer.see(numbers, where, *parts)
 
 
 def _move(
-    store: Store, stored: int, span: Span, record: Record, motion: Motion, where: slice
+    store: Store,
+    stored: int,
+    span: Span,
+    failed: np.ndarray,
+    record: Record,
+    motion: Motion,
+    where: slice,
 ) -> None:
-    """From the store into the motion."""
+    """From the store into the motion or the sink; NaN from the step on at which a state `failed`,
+    -1: none.
+    """
     live = where.stop - where.start
     first = span.first if span.first == 0 else span.first + 1
     begin = int(np.searchsorted(motion.kept, first))
-    for values, rows in (
-        (motion.displacement, store.q),
-        (motion.velocity, store.v),
-        (motion.acceleration, store.a),
-    ):
-        values[where, begin : begin + stored] = rows[:stored, :, :live].transpose(2, 0, 1)
+    kept = motion.kept[begin : begin + stored]
+    states = [rows[:stored, :, :live] for rows in (store.q, store.v, store.a)]
+    for state in np.flatnonzero(failed[:live] >= 0):
+        for rows in states:
+            rows[kept >= failed[state], :, state] = np.nan
+        store.watched[max(failed[state] - span.first, 0) :, :, state] = np.nan
+    if record.sink is not None:
+        record.sink.see(kept, where, *states)
+    else:
+        for values, rows in zip(
+            (motion.displacement, motion.velocity, motion.acceleration), states
+        ):
+            values[where, begin : begin + stored] = rows.transpose(2, 0, 1)
     steps = np.arange(max(first, record.probe_start), span.last + 1)
     watched = store.watched[steps - span.first, :, :live]
     motion.probes[where, :, steps - record.probe_start] = watched.transpose(2, 1, 0)

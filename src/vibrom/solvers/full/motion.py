@@ -11,12 +11,8 @@ from vibrom.artefacts.hardware import check_memory
 from vibrom.artefacts.outcome import Outcome
 
 
-class Observer(Protocol):
-    """Sees whole states while they are integrated, so that they need not be kept."""
-
-    @property
-    def apart(self) -> int:
-        """Steps between two that it sees, step 0 among them."""
+class Sink(Protocol):
+    """Takes whole states while they are integrated, so that they need not be kept."""
 
     def see(
         self, steps: np.ndarray, where: slice, q: np.ndarray, v: np.ndarray, a: np.ndarray
@@ -24,6 +20,14 @@ class Observer(Protocol):
         """Displacement, velocity and acceleration (m, n, states) of these steps (m,), of the states
         `where` of the motion; each step once, in order.
         """
+
+
+class Observer(Sink, Protocol):
+    """Says itself which steps it sees."""
+
+    @property
+    def apart(self) -> int:
+        """Steps between two that it sees, step 0 among them."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,7 @@ class Record:
     probes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     probe_start: int = 0  # from this step on
     observer: Observer | None = None
+    sink: Sink | None = None  # sees the kept states, and the motion then holds none
 
     def check(self, n: int) -> None:
         """Raises ValueError where it asks for what a body of n displacements has not."""
@@ -50,14 +55,14 @@ class Record:
 
     def allocate(self, n: int, states: int, steps: int) -> Motion:
         """A motion without values yet."""
-        count = len(range(self.start, steps + 1, self.every))
+        kept = np.arange(self.start, steps + 1, self.every)
+        count = len(kept) if self.sink is None else 0
         watched = max(steps + 1 - self.probe_start, 0)
         check_memory(
             8.0 * states * (3 * count * n + len(self.probes) * watched),
             f"the motion of {states} x {n} displacements over {steps} steps",
             "lower periods, steps_per_period or body.cells",
         )
-        kept = np.arange(self.start, steps + 1, self.every)
         displacement, velocity, acceleration = np.full((3, states, count, n), np.nan)
         return Motion(
             kept=kept,
