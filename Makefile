@@ -3,6 +3,8 @@
 # make check   environment, then what takes seconds: format, lint, types, contracts, quick tests
 # make docs    environment, then the documentation, results/docs/index.html
 # make bench   environment, then every speed comparison
+# make reproduce   environment, then a fresh run's scores beside the project's own
+# make cluster     the small run through a Slurm of one node (as root, with Debian's slurm-wlm, munge)
 # make ui      compare the runs of results/ (or: make ui RESULTS=folder PORT=5050)
 PYTHON ?= python3
 CORES ?= 2
@@ -10,7 +12,7 @@ PORT ?= 5000
 RESULTS ?= results
 BIN := .venv/bin
 
-.PHONY: run env environment static check test test-workflow test-parts ui docs report lock bench
+.PHONY: run env environment static check test test-workflow test-parts ui docs report lock bench reproduce cluster
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -58,12 +60,23 @@ report: environment
 	$(BIN)/snakemake --cores $(CORES) --report results/snakemake_report.html
 	@echo "Next: open results/snakemake_report.html"
 
+# In a folder of its own, so that nothing is taken from earlier runs.
+reproduce: environment
+	$(BIN)/snakemake --cores $(CORES) scores --config results=results_reproduced
+	$(BIN)/vibrom compare results_reproduced/scores.csv
+
+cluster: environment
+	$(BIN)/uv pip install -q --python $(BIN)/python --require-hashes --no-deps -r envs/cluster.txt
+	VIBROM_CLUSTER=1 $(BIN)/python -m pytest -q -s tests/cluster
+
 # Resolve the dependencies of pyproject.toml again, for every Python that it claims.
 lock: environment
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade --extra workflow --group test --group docs --group bench pyproject.toml -o envs/requirements.txt
 	echo uv | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-index-url \
 	    --upgrade - -o envs/uv.txt
+	echo snakemake-executor-plugin-slurm | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header \
+	    --no-annotate --no-emit-index-url --upgrade -c envs/requirements.txt - -o envs/cluster.txt
 	@echo "Next: 'make test' makes the environment again and tries it."
 
 # How fast, against what: every comparison, results/benchmarks.csv and results/benchmarks.html.

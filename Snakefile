@@ -29,6 +29,7 @@ if OWN.is_dir() and not OWN.samefile(RUNNING):
 from vibrom.artefacts import provenance
 from vibrom.config import errors, layers, settings
 from vibrom.config import recorded as recordings
+from vibrom.config.memory import mem_mb
 from vibrom.config.plugs import constants, names
 
 # The working folder's own, as that of a project that uses this workflow; else the one that is here.

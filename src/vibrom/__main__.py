@@ -1,5 +1,6 @@
 """What is installed, `vibrom`; whether a configuration is fine, `vibrom check [overlay ...]`; a
-scene from files of recorded motion, `vibrom record FILE ... --out config/scenes/NAME.yaml`.
+scene from files of recorded motion, `vibrom record FILE ... --out config/scenes/NAME.yaml`; a run's
+scores beside those of the project's own run, `vibrom compare results/scores.csv`.
 """
 
 import argparse
@@ -47,6 +48,19 @@ def record(files: list[Path], out: Path, step: float | None) -> str:
     return start.written(files, out, step)
 
 
+def compare(scores: Path, reference: Path) -> str:
+    """How many of the reference's scores a run has within their tolerances, and which not; ends
+    with 1 where there are some.
+    """
+    from vibrom.report.reference import compared
+
+    words, same = compared(scores, reference)
+    if not same:
+        print(words)
+        sys.exit(1)
+    return words
+
+
 def main() -> None:
     """The command `vibrom`."""
     parser = argparse.ArgumentParser(prog="vibrom", description=vibrom.__doc__)
@@ -61,6 +75,10 @@ def main() -> None:
     recording.add_argument("files", nargs="+", type=Path, help="text, NumPy, MATLAB or netCDF")
     recording.add_argument("--out", required=True, type=Path, help="config/scenes/NAME.yaml")
     recording.add_argument("--step", type=float, help="time between samples without instants")
+    about = "are a run's scores those of the project's own run?"
+    comparing = commands.add_parser("compare", help=about, description=compare.__doc__)
+    comparing.add_argument("scores", type=Path, help="results/scores.csv")
+    comparing.add_argument("--reference", type=Path, default="config/reference_scores.csv")
     given = parser.parse_args()
     if given.command is None:
         print(report())
@@ -68,6 +86,8 @@ def main() -> None:
     try:
         if given.command == "record":
             print(record(given.files, given.out, given.step))
+        elif given.command == "compare":
+            print(compare(given.scores, given.reference))
         else:
             print(check(given.folder, given.overlays))
     except (ConfigError, DataError) as error:

@@ -30,6 +30,8 @@ for JOB, MEMBERS, WHERE in JOBS:
         priority: waited_for(MEMBERS)
         conda:
             "../../envs/vibrom.yaml"
+        resources:
+            mem_mb=memory("answer"),
         params:
             step="ask",
             questions=asked(MEMBERS),
@@ -66,6 +68,8 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
         priority: PRIORITY.get(EXPERIMENT, 0)
         conda:
             "../../envs/vibrom.yaml"
+        resources:
+            mem_mb=memory("full_order_answer"),
         params:
             step="ask",
             questions=asked([EXPERIMENT]),

@@ -22,6 +22,8 @@ for PART in parts():
             scene="|".join(map(re.escape, PART.scenes)),
         conda:
             "../../envs/vibrom.yaml"
+        resources:
+            mem_mb=memory("sink"),
         params:
             step="output",
             kind=KIND,

@@ -16,6 +16,8 @@ rule structure:
     priority: 100
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("full_order"),
     params:
         step="structure",
         scene=scene_part(),
@@ -41,6 +43,8 @@ rule release:
     priority: 80
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("full_order"),
     params:
         step="release",
         scene=scene_part("releases", "time"),
@@ -66,6 +70,8 @@ rule record:
     priority: 70
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("full_order"),
     params:
         step="record",
         scene=scene_part("record", "time"),

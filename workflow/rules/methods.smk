@@ -32,7 +32,7 @@ for METHOD, BLOCK in METHODS.items():
             "../../envs/vibrom.yaml"
         threads: BLOCK.get("resources", {}).get("threads", 1)
         resources:
-            **{key: value for key, value in BLOCK.get("resources", {}).items() if key != "threads"},
+            **resources(METHOD),
         params:
             **equations_of(METHOD),
             step="fit",

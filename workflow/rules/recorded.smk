@@ -19,6 +19,8 @@ rule recorded:
     priority: 100
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("answer"),
     params:
         step="recorded",
         scene=lambda wildcards: SCENES[wildcards.scene],

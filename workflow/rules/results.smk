@@ -14,6 +14,8 @@ rule scores:
         "<logs>/scores.log",
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("sink"),
     params:
         step="scores",
         provenance=code("scores"),
@@ -33,6 +35,8 @@ rule report:
         "<logs>/report.log",
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("sink"),
     params:
         step="report",
         tables_shown=plugs_shown("tables"),
@@ -58,6 +62,8 @@ rule tracking:
         "<benchmarks>/tracking.tsv"
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("sink"),
     params:
         step="tracking",
         artefacts=behind(
@@ -84,6 +90,8 @@ rule crate:
         "<logs>/crate.log",
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("sink"),
     params:
         step="crate",
         artefacts=behind(all_artefacts()),
@@ -106,6 +114,8 @@ rule headline:
         "<logs>/headline.log",
     conda:
         "../../envs/vibrom.yaml"
+    resources:
+        mem_mb=memory("sink"),
     params:
         step="headline",
         artefacts=behind(FAMILIES["models"].artefacts),

@@ -29,6 +29,8 @@ for STUDY, CONSTANTS in STUDIES.items():
             conda:
                 "../../envs/vibrom.yaml"
             threads: 1
+            resources:
+                mem_mb=memory("study"),
             params:
                 step="study",
                 study=job_settings(STUDY, KIND),

@@ -8,7 +8,7 @@ vector; f [1/s] the first angular frequency. Lengths in c are lengths in q, over
 carries less than 5e-7 of the displacements is left out: what the data say of it is rounding.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -86,11 +86,11 @@ def _basis(q: Samples, rank: int, first: np.ndarray) -> np.ndarray:
     return np.linalg.qr(np.hstack([first, others]))[0]
 
 
-def principal(q: Iterator[np.ndarray], count: int, smallest: float = 0.0) -> np.ndarray:
+def principal(q: Iterable[np.ndarray], count: int, smallest: float = 0.0) -> np.ndarray:
     """The first proper orthogonal directions (n, count) of samples (m, n), which come in blocks of
     rows, or as many as have a singular value of at least `smallest`.
     """
-    values, vectors = directions(q, count)
+    values, vectors = directions(iter(q), count)
     vectors = vectors[:count][values[:count] >= smallest]
     # The sign of a singular vector is the library's choice; the largest entry is made positive.
     largest = np.abs(vectors).argmax(axis=1)
@@ -111,7 +111,7 @@ def linear_parts(
         columns = chosen.reduce(modes.T).T
         rows = chosen.reduce((structure.mass @ modes).T) * chosen.scale**2
     else:
-        columns = principal(iter([c]), latent)
+        columns = principal([c], latent)
         rows = columns.T
     reach = np.abs(c @ rows.T).max(axis=0)
     return rows / reach[:, None], columns * reach

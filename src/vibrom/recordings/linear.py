@@ -36,7 +36,7 @@ def linear_part(motions: list[Trajectory]) -> Linear:
         np.concatenate([getattr(item, name) for item in motions])
         for name in ("displacement", "velocity", "acceleration")
     )
-    shape = principal(iter([q]), 1)[:, 0]
+    shape = principal([q], 1)[:, 0]
     z, speed, rate = q @ shape, v @ shape, a @ shape
     scale = np.array([np.abs(z).max(), np.abs(speed).max()])
     y = np.stack([z, speed], axis=1) / scale

@@ -48,7 +48,7 @@ def begins(
     """
     length = max(1, round(1.0 / (frequency * step)))
     q, v, a = motion
-    phi, slow = principal(q, 1), (2.0 * np.pi * frequency) ** 2 * q
+    phi, slow = principal([q], 1), (2.0 * np.pi * frequency) ** 2 * q
     y = np.concatenate([part @ phi / np.abs(part @ phi).max() for part in (q, v)], axis=1)
     left = np.min([[*_left(y, a, length, degree)][::-1] for degree in DEGREES], axis=0)
     there = [(part**2).sum() for part in np.split(slow, range(length, len(q), length))]

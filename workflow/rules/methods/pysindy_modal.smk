@@ -25,9 +25,8 @@ rule fit_pysindy_modal:
     priority: 50
     conda:
         "../../../envs/vibrom.yaml"
-    threads: PYSINDY["resources"]["threads"]
     resources:
-        mem_mb=PYSINDY["resources"]["mem_mb"],
+        mem_mb=memory("answer"),  # it reads the decay whole
     params:
         scene_name="{scene}",
         settings=PYSINDY["settings"],

@@ -44,6 +44,17 @@ def learnt_from(method):
     return {} if of_equations(method) else {"train": train}
 
 
+def resources(method):
+    """What its file asks for, else memory for the scene, and a GPU where networks are trained on
+    one.
+    """
+    own = {"mem_mb": memory("equations" if of_equations(method) else "fit")}
+    if SETTINGS.device.startswith("cuda") and METHODS[method]["seeded"]:
+        own["gpu"] = 1
+    given = METHODS[method].get("resources", {})
+    return own | {key: value for key, value in given.items() if key != "threads"}
+
+
 def equations_of(method):
     """The blocks that make a scene's equations of motion, for the methods that ask for them."""
     return {"scene": scene_part()} if of_equations(method) else {}

@@ -35,6 +35,16 @@ def among(scenes):
     return "|".join(map(re.escape, scenes)) or "(?!)"
 
 
+def memory(kind):
+    """What a job of this kind takes; of one for all scenes together, what the largest takes."""
+
+    def megabytes(wildcards):
+        scene = getattr(wildcards, "scene", None)
+        return max(mem_mb(SCENES[name], kind) for name in ([scene] if scene else SCENES))
+
+    return megabytes
+
+
 def scene_modules(wildcards):
     """The modules of the scene's body and effects."""
     return SETTINGS.modules_of(wildcards.scene)
