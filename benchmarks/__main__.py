@@ -33,6 +33,7 @@ NAMES = (
     "sweep",
     "effects",
     "growth",
+    "memory",
     "solid",
     "budget",
     "compilation",

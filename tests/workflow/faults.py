@@ -65,16 +65,20 @@ class Run:
         return sorted(self.results.rglob("*.nc"))
 
     def tables(self) -> dict[str, list]:
-        """The rows of every table, without the columns of times."""
-        found = {}
-        for path in [*sorted(self.results.glob("tables/*.csv")), self.results / "scores.csv"]:
-            rows = list(csv.DictReader(path.open(encoding="utf-8", newline="")))
-            if path.name == "scores.csv":
-                rows = [row for row in rows if row["unit"] != "s"]
-            kept = [{key: row[key] for key in row if not TIMES.search(key)} for row in rows]
-            if "run_times" not in path.stem:
-                found[path.stem] = kept
-        return found
+        return tables(self.results)
+
+
+def tables(results: Path) -> dict[str, list]:
+    """The rows of every table, without the columns of times."""
+    found = {}
+    for path in [*sorted(results.glob("tables/*.csv")), results / "scores.csv"]:
+        rows = list(csv.DictReader(path.open(encoding="utf-8", newline="")))
+        if path.name == "scores.csv":
+            rows = [row for row in rows if row["unit"] != "s"]
+        kept = [{key: row[key] for key in row if not TIMES.search(key)} for row in rows]
+        if "run_times" not in path.stem:
+            found[path.stem] = kept
+    return found
 
 
 def some_results_are_gone(run: Run, chance: random.Random) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).parents[2]
+RUNS: dict[str, Path] = {}  # folders of whole runs of this session, which tests may compare
 
 
 def change(file: Path, key: str, value) -> None:

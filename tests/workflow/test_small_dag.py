@@ -8,7 +8,9 @@ import shutil
 
 import numpy as np
 import pytest
+import xarray as xr
 from miniature import Run
+from project_copy import RUNS
 from rocrate.rocrate import ROCrate
 
 from vibrom.artefacts.data import KINDS, open_dataset
@@ -127,6 +129,27 @@ def test_the_study_of_costs_agrees_with_the_experiments(run):
 def test_the_run_ends_with_the_headline(run):
     headline = (run.results / "headline.txt").read_text().splitlines()[0]
     assert headline in run.answer.stdout
+
+
+def test_another_run_of_the_same_has_the_same_bytes_but_for_wall_times(run):
+    """That of the walks of docs/, which asks for some of the same artefacts."""
+    if "docs" not in RUNS:
+        pytest.skip("test_docs.py, whose run is compared, has not run in this session")
+    compared = []
+    for path in sorted((RUNS["docs"] / "results/folding").rglob("*.nc")):
+        other = run.results / path.relative_to(RUNS["docs"] / "results")
+        if not other.exists() or path.stem == "run_times":  # times are its answer
+            continue
+        with xr.open_dataset(path) as mine, xr.open_dataset(other) as theirs:
+            if mine.attrs["asked"] != theirs.attrs["asked"]:
+                continue
+            compared.append(f"{path.parent.name}/{path.stem}")
+            assert mine.variables.keys() == theirs.variables.keys(), path
+            for name in mine.variables:
+                if "wall time" not in mine[name].attrs["long_name"]:
+                    assert mine[name].identical(theirs[name]), (path, name)
+    full_order = {f"full_order/{name}" for name in ("structure", "release", "train", "test", "frc")}
+    assert {*full_order, "unseeded/rom", "unseeded/losses"} <= {*compared}
 
 
 def test_a_second_run_has_nothing_to_do(run):

@@ -1,0 +1,80 @@
+"""Memory of a recorded decay and of fits to it, up to 60 000 degrees of freedom.
+
+The steps of the workflow on the folding beam in finer meshes, each in a process of its own, whose
+peak of memory is listed beside what the rules ask for (`vibrom.config.memory`). A decay lasts 30
+periods and keeps all samples, 100 to a period instead of the 1000 steps of the thesis, as it is the
+samples that could fill the memory. Its file is larger than any of the processes.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.growth import peak_memory
+from benchmarks.table import Row
+from vibrom.config import settings
+from vibrom.config.memory import mem_mb
+from vibrom.steps import fit, record, release, structure
+
+BODIES = {"bilinear": [40, 2], "quadratic": [500, 15]}  # element -> cells
+STEPS = 100  # time steps in a period, all of them stored
+FITS = {"ssmlearn": {}, "ssmlearn_11": {"order_decoder": 11, "order_dynamics": 11}}
+FITS |= {"split": {"epochs": 20}}
+KINDS = {"structure": "full_order", "release": "full_order", "train": "full_order"}
+LIMIT = 2e9  # bytes, of the largest job on 60 000 degrees of freedom
+CODE = {"source_digest": "0" * 16, "versions": "{}"}
+
+
+def scene(element: str) -> dict:
+    """The folding beam, finer, released at rest from where a small load holds it."""
+    made = settings.load(Path("config")).scenes["folding"].to_builtins()
+    made["body"] |= {"cells": BODIES[element], "element": element}
+    made["time"] |= {"steps_per_period": STEPS, "every": 1}
+    made["releases"] = {role: {"forcing": 100.0, "static": True} for role in ("train", "test")}
+    return made
+
+
+def one(element: str, step: str, folder: str) -> None:
+    """One step of the workflow in this process."""
+    known, base = scene(element), Path(folder)
+    paths = {name: str(base / f"{name}.nc") for name in ("structure", "release", "train")}
+    if step == "structure":
+        structure.run(structure=paths[step], scene=known, name="folding", provenance=CODE)
+    elif step == "release":
+        release.run(**{k: paths[k] for k in ("structure", step)}, scene=known, provenance=CODE)
+    elif step == "train":
+        shape = {name: paths[name] for name in ("structure", "release")}
+        record.run(**shape, trajectory=paths[step], scene=known, role="train", provenance=CODE)
+    else:
+        recipe = {"scene": "folding", "method": step, "kind": step.removesuffix("_11")}
+        recipe |= {"settings": FITS[step], "seed": 0, "device": "cpu"}
+        made = {name: str(base / f"{step}_{name}.nc") for name in ("rom", "losses")}
+        inputs = {name: paths[name] for name in ("structure", "train")}
+        fit.run(**made, **inputs, recipe=recipe, checkpoint=None, provenance=CODE)
+
+
+def measure(note) -> Iterator[Row]:
+    for element in BODIES:
+        with tempfile.TemporaryDirectory() as folder:
+            for step in (*KINDS, *FITS):
+                command = [sys.executable, "-m", "benchmarks.memory", element, step, folder]
+                run = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True)
+                peak, dofs = json.loads(run.stdout.splitlines()[-1])
+                asked = mem_mb(scene(element), KINDS.get(step, "fit"))
+                text = f"{step}, {dofs} dofs: peak of memory"
+                yield Row("memory", text, 1.048576 * peak, "MB", "asked for by the rule", asked)
+                if peak * 2**20 > LIMIT:
+                    note(f"{step} took more than {LIMIT / 1e9:g} GB")
+            size = Path(folder, "train.nc").stat().st_size / 1e6
+            yield Row("memory", f"train, {dofs} dofs: size of the file", size, "MB")
+
+
+if __name__ == "__main__":
+    one(*sys.argv[1:])
+    import xarray as xr
+
+    with xr.open_dataset(Path(sys.argv[3]) / "structure.nc") as opened:
+        print(json.dumps([peak_memory(), opened.sizes["dof"]]))
