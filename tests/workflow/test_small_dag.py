@@ -7,6 +7,7 @@ import re
 import shutil
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from miniature import Run
@@ -15,6 +16,7 @@ from rocrate.rocrate import ROCrate
 
 from vibrom.artefacts.data import KINDS, open_dataset
 from vibrom.config import plugs
+from vibrom.config.memory import PROGRAM
 from vibrom.report import outputs
 
 SEEDED = ("split", "split_plus")
@@ -129,6 +131,14 @@ def test_the_study_of_costs_agrees_with_the_experiments(run):
 def test_the_run_ends_with_the_headline(run):
     headline = (run.results / "headline.txt").read_text().splitlines()[0]
     assert headline in run.answer.stdout
+
+
+def test_no_job_takes_more_memory_than_its_rule_asks_for(run):
+    """Each asks for PROGRAM at least, and this scene is small."""
+    files = list((run.results / "benchmarks").rglob("*.tsv"))
+    peaks = {path: pd.read_csv(path, sep="\t")["max_rss"][0] for path in files}  # MiB
+    known = [float(peak) for peak in peaks.values() if str(peak) not in ("NA", "nan", "-")]
+    assert len(known) > 20 and 100.0 < 1.048576 * max(known) < PROGRAM
 
 
 def test_another_run_of_the_same_has_the_same_bytes_but_for_wall_times(run):

@@ -36,12 +36,12 @@ HELD = {
 }
 
 
-def mem_mb(scene: Mapping[str, Any], kind: str) -> int:
+def mem_mb(scene: dict[str, Any], kind: str) -> int:
     """Of a job of this kind, in MB of 1e6 bytes; `scene` in plain form."""
     bodies, arrays = HELD[kind]
     if "body" not in scene:
-        recorded = OBSERVABLES * sum(Path(file).stat().st_size for file in files_of(scene).values())
-        return int(PROGRAM + max(arrays, 3) * recorded / MB)
+        files = sum(float(Path(file).stat().st_size) for file in files_of(scene).values())
+        return int(PROGRAM + max(arrays, 3) * OBSERVABLES * files / MB)
     n, across = size(scene["body"])
     time = scene["time"]
     samples = scene["record"]["periods"] * time["steps_per_period"] // time["every"] + 1
