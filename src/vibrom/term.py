@@ -7,8 +7,9 @@ what acts on the undeformed body at all times is the dead load p_0.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numba import types
@@ -77,6 +78,14 @@ class Force:
 
 
 @dataclass(frozen=True)
+class Driven:
+    """A load with a signal of its own:  p u(t)."""
+
+    load: np.ndarray  # p (n,) N per unit of the signal
+    signal: Mapping[str, Any]  # the settings of what u adds up from, by file of `vibrom.signals`
+
+
+@dataclass(frozen=True)
 class Term:
     """What some effects add to the equation of motion of n free displacements."""
 
@@ -85,6 +94,7 @@ class Term:
     stiffness: csr_matrix | None = None  # K (n, n) N/m
     forces: tuple[Force, ...] = ()  # f_i, N
     load: np.ndarray | None = None  # p (n,) N per unit of the signal
+    driven: tuple[Driven, ...] = ()  # loads that act where their own signals do
     dead_load: np.ndarray | None = None  # p_0 (n,) N
     # (3, 3) N/m: stress resultants (s11, s22, s12) over strains (e11, e22, 2 e12), thickness
     # included; of a body in space (6, 6) Pa, see `kernels/saint_venant_kirchhoff.py`
@@ -100,13 +110,13 @@ class Term:
             mine, theirs = getattr(self, name), getattr(other, name)
             return theirs if mine is None else mine if theirs is None else mine + theirs
 
-        parts = {part.name: both(part.name) for part in fields(self) if part.name != "forces"}
-        return Term(forces=self.forces + other.forces, **parts)
+        return Term(**{part.name: both(part.name) for part in fields(self)})
 
     @property
     def size(self) -> int:
         """n, the number of free displacements."""
-        for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load):
+        driven = [one.load for one in self.driven]
+        for part in (self.mass, self.stiffness, self.damping, self.load, self.dead_load, *driven):
             if part is not None:
                 return part.shape[0]
         raise SceneError("effects is empty: there is no body; list inertia and elasticity")

@@ -88,6 +88,7 @@ def test_it_adds_something_of_the_right_shape(name, made):
     base = effects.assemble(made, {other: settings(other, made.dimension) for other in needed})
     term = effects.load(name, settings(name, made.dimension)).assemble(made, base)
     parts = {field.name: getattr(term, field.name) for field in dataclasses.fields(term)}
+    assert not parts.pop("driven")
     assert parts.pop("forces") or any(part is not None for part in parts.values())
     n, dim = made.size, made.dimension
     strains = dim * (dim + 1) // 2

@@ -24,6 +24,11 @@ SQUARES, VECTORS = eigh(STIFFNESS, MASS)
 FREQUENCIES, MODES = np.sqrt(SQUARES), VECTORS.T
 RATIOS = DAMPING / (2.0 * FREQUENCIES)
 DAMPED = FREQUENCIES[0] * np.sqrt(1.0 - RATIOS[0] ** 2)
+PULL = np.array([1.0, 0.5])  # another one
+SIGNALS = [
+    {"chirp": {"first": 0.3, "last": 2.0, "duration": 40.0, "amplitude": 0.05}},
+    {"step": {"begin": 5.0, "size": 0.02, "rise": 1.0}, "pulse": {"duration": 2.0, "size": 0.1}},
+]
 START = np.array([0.3, 0.4])  # m, where the record begins, at rest
 SAMPLES, PERIODS = 50, 12  # stored instants of a period, and how long the record is
 DRIVEN = DAMPED * np.array([0.8, 1.0, 1.1])  # frequencies of a measured response
@@ -50,6 +55,7 @@ def structure() -> xr.Dataset:
             "damping_ratio": variable("mode", RATIOS, "1", "damping ratios"),
             "mode_shape": variable(("mode", "dof"), MODES, "kg-0.5", "modes"),
             "load": variable("dof", LOAD, "N", "load"),
+            "driven_load": variable(("driven", "dof"), np.array([LOAD, PULL]), "N", "loads"),
             "probe_dof": variable("probe", [0, 1], "1", "watched displacement"),
             "response_frequency": variable("response", DRIVEN, "rad s-1", "of a measured curve"),
             "response_amplitude": variable("response", swing(DRIVEN), "m", "measured amplitude"),
@@ -57,7 +63,7 @@ def structure() -> xr.Dataset:
         },
         coords={"probe": variable("probe", np.array(["one", "two"], object), "1", "name")},
     )
-    return label(dataset, "structure", scene="two", method="full_order")
+    return label(dataset, "structure", scene="two", method="full_order", signals=SIGNALS)
 
 
 def full_order() -> FullOrder:

@@ -18,7 +18,7 @@ methods: [modal_projection, split, split_plus]
 seeds: [0, 1]
 experiments:
   [reconstruction, decay, backbone, forced, frc, branches, s_curve, resonance, sweeps, eigenvalues,
-   run_times]
+   run_times, response, random_forcing]
 integrator: {rtol: 1.0e-4, atol: 1.0e-6}
 scene_settings:
   all:
@@ -39,6 +39,10 @@ scene_settings:
       s_curve: {frequency: 1.0, forcing: 100.0, points: 6}
       resonance: {forcing: 100.0, points: 6}
       sweeps: {forcing: 100.0, periods: 2, settle: 0, frequencies: 3}
+      response: {periods: 3}
+      random_forcing: {forcing: 50.0, realisations: 2, periods: 4, settle: 0, windows: 1}
+    effects:
+      point_load: {at: [1.0, 0.01], direction: y, signal: {pulse: {duration: 0.005, size: 20.0}}}
 method_settings:
   split: {epochs: 2, rank: 6}
 studies:

@@ -115,7 +115,7 @@ def test_two_figures_of_one_name_are_refused(package):
 @pytest.mark.parametrize(
     ("file", "old", "new", "runs"),
     [
-        ("figures/decay.py", "4.4, 1.65", "4.4, 1.66", {("figures", "models")}),
+        ("figures/decay.py", "LAST = 5", "LAST = 6", {("figures", "models")}),
         ("figures/decay.py", "The vertical axis", "The y axis", set()),  # a caption: the page alone
         ("tables/guards.py", '"Guard"', '"With guard"', {("tables", "robustness")}),
         ("page.py", "HEAVY = ", "HEAVY = 2 * ", {"report"}),

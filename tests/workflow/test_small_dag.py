@@ -22,7 +22,7 @@ from vibrom.report import outputs
 SEEDED = ("split", "split_plus")
 FITTED_ONCE = ("modal_projection", "ssmlearn", "ssmlearn_11", "pysindy_modal", "equations")
 EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
-EXPERIMENTS += ("branches", "s_curve", "resonance", "sweeps")
+EXPERIMENTS += ("branches", "s_curve", "resonance", "sweeps", "response")
 ASKED = {"answers", "curves"}  # the jobs in which those are asked of a model
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures_of_scene"}
 COST = {"cost_models", "cost_tables", "cost_figures"}
@@ -75,7 +75,7 @@ def test_every_table_figure_and_page_is_there(run):
     for family in outputs.families():
         made = {
             "tables": outputs.tables(family, EXPERIMENTS),
-            "figures": outputs.figures(family, ["folding"]),
+            "figures": outputs.figures(family, ["folding"], asked=lambda scene: EXPERIMENTS),
         }
         for kind, forms in outputs.FORMATS.items():
             wanted += [f"{kind}/{name}.{form}" for name in made[kind] for form in forms]

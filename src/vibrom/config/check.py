@@ -86,11 +86,25 @@ def _described(entry: Entry, kind: inspect.Metadata) -> Any:
     folder = (kind.extra or {}).get("plugs")
     if folder and made not in (known := plugs.names(folder)):
         entry.wrong(f"is not known; {closest(made, known)}")
+    if folder := (kind.extra or {}).get("settings"):
+        made = _settings(entry, folder, made)
     if extra.get("uniqueItems"):
         double = next((item for place, item in enumerate(made) if item in made[:place]), None)
         if double is not None:
             entry.wrong(f"repeats {double!r}; give each once")
     return made
+
+
+def _settings(entry: Entry, folder: str, made: dict[str, Any]) -> dict[str, Any]:
+    """Those of plugs of a folder, by name."""
+    known, found = plugs.names(folder), {}
+    for name in made:
+        if name not in known:
+            entry.below(name).wrong(f"is not known; {closest(name, known)}")
+        found[name] = _checked(
+            entry.below(name), inspect.type_info(plugs.settings_of(folder, name))
+        )
+    return found
 
 
 def _block(entry: Entry, kind: inspect.StructType) -> dict[str, Any]:

@@ -6,7 +6,7 @@ workflow reads its fields from the text and knows the words of this file, `Liter
 types, and the dataclasses of the plug's own file.
 """
 
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from msgspec import Meta
 
@@ -42,6 +42,9 @@ Cells = tuple[Lines, Lines]  # along the length, over the height
 Direction = Literal["x", "y", "z"]
 Edge = Literal["left", "right", "bottom", "top"]
 Face = Literal["left", "right", "bottom", "top", "back", "front"]
+# Name of a file of src/vibrom/signals -> its settings.
+Signal = Annotated[dict[str, dict[str, Any]], Meta(min_length=1, extra={"settings": "signals"})]
+DataFile = Annotated[str, Meta(min_length=1)]  # a path, from the folder of the scene's file on
 Element = Literal["bilinear", "quadratic", "serendipity"]
 SolidElement = Literal["trilinear", "quadratic", "serendipity"]
 

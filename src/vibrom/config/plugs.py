@@ -1,4 +1,5 @@
-"""What can be plugged in: bodies, effects, methods, experiments and studies, read from their text.
+"""What can be plugged in: bodies, effects, signals, methods, experiments and studies, read from
+their text.
 
 A plug is one file in its folder. Its settings are the fields of its dataclass, of the kinds that
 `kinds` names, with what the comment beside a field says as their description. Plugs import
@@ -24,6 +25,7 @@ from vibrom.config.scene import STAGES, USUAL_STAGE, Block
 PLUGS = {
     "bodies": "build",
     "effects": "assemble",
+    "signals": "at",
     "methods": "fit",
     "experiments": "ask",
     "studies": None,

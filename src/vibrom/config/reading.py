@@ -59,12 +59,12 @@ def scene(sources: Sources, folder: Path, name: str, asked: Iterable[str]) -> Sc
     layers.check_known(("body", "shape"), shape, plugs.names("bodies"), "body")
     body = block(layers, ("body",), plugs.settings_of("bodies", shape), without="shape")
     if "mesh" in body:
-        body |= _mesh_file(layers, file.parent, body["mesh"])
+        body |= _beside(layers, file.parent, ("body", "mesh"), body["mesh"])
     plain["body"] = {"shape": shape, **body}
     for key in ("clamped", "probes"):
         if key in body and not body[key]:
             layers.refuse(("body", key), body[key], "is empty; name at least one")
-    plain["effects"] = _effects(layers)
+    plain["effects"] = _effects(layers, file.parent)
     plain["experiments"] = _experiments(layers, set(asked))
     _check_scene(plain, layers)
     return Scene.from_builtins(plain)
@@ -91,35 +91,45 @@ def _recorded(layers: Layers, own: dict[str, Any], name: str) -> RecordedScene:
     return RecordedScene.from_builtins(plain)
 
 
-def _mesh_file(layers: Layers, folder: Path, mesh: str) -> dict[str, str]:
-    """Where a mesh lies, and the digest of what it holds: another mesh is another scene."""
-    path = folder / mesh
+def _beside(layers: Layers, folder: Path, key: tuple, name: str) -> dict[str, str]:
+    """Where a file lies that a scene names, and the digest of what it holds: another file is
+    another scene.
+    """
+    path = folder / name
     try:
         found = digest(path)
     except OSError as error:
         cure = f"cannot be read ({error.strerror}); put the file beside the scene's, in {folder}"
-        layers.refuse(("body", "mesh"), mesh, cure)
-    return {"mesh": str(path), "digest": found}
+        layers.refuse(key, name, cure)
+    return {key[-1]: str(path), "digest": found}
 
 
-def _effects(layers: Layers) -> dict[str, Any]:
+def _effects(layers: Layers, folder: Path) -> dict[str, Any]:
     """In the order in which they add up."""
     given = layers.content["effects"]
     if not given:
         layers.refuse(("effects",), given, "is empty, and nothing moves without; list some")
     for name in given:
         layers.check_known(("effects", name), name, plugs.names("effects"), "effect")
-    return {name: _effect(layers, name, given[name]) for name in plugs.in_order(given)}
+    return {name: _effect(layers, folder, name, given[name]) for name in plugs.in_order(given)}
 
 
-def _effect(layers: Layers, name: str, given: Any) -> Any:
+def _effect(layers: Layers, folder: Path, name: str, given: Any) -> Any:
     """The settings of an effect, or a list of them."""
-    path, kind = ("effects", name), plugs.settings_of("effects", name)
+    path = "effects", name
     if not isinstance(given, list):
-        return block(layers, path, kind)
+        return _acting(layers, folder, path, given)
     if not given:
         layers.refuse(path, given, "is empty; give settings, or leave the effect out")
-    return [checked(one, kind, (*path, place), layers.refuse) for place, one in enumerate(given)]
+    return [_acting(layers, folder, (*path, place), one) for place, one in enumerate(given)]
+
+
+def _acting(layers: Layers, folder: Path, path: tuple, given: Any) -> dict[str, Any]:
+    """The settings of an effect that acts once."""
+    made = checked(given, plugs.settings_of("effects", path[1]), path, layers.refuse)
+    if file := (made.get("signal") or {}).get("file"):
+        file |= _beside(layers, folder, (*path, "signal", "file", "path"), file["path"])
+    return made
 
 
 def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:

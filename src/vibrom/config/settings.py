@@ -88,6 +88,16 @@ class Settings:
         own = f"bodies.{made.body['shape']}", f"solvers.full.schemes.{made.time.scheme}"
         return [*own, *(f"effects.{name}" for name in made.effects)]
 
+    def signals_of(self, scene: str) -> list[str]:
+        """The modules of the signals that drive its loads, below vibrom."""
+        made = self.scenes[scene]
+        entries = [] if isinstance(made, RecordedScene) else list(made.effects.values())
+        loads = [
+            one for entry in entries for one in (entry if isinstance(entry, list) else [entry])
+        ]
+        names = {name for one in loads for name in one.get("signal") or ()}
+        return [f"signals.{name}" for name in sorted(names)]
+
 
 def load(
     folder: Path,

@@ -5,19 +5,42 @@ the Term that it adds.
 constant of the file, names what an effect adds first, and stages follow one another as
 `vibrom.config.scene.STAGES`. An effect that a scene does not list is never imported; one that acts
 more than once has a list of settings.
+
+A load without a signal is what experiments drive: p a sin(w t), each with its own amplitude and
+frequency. One with a `signal` stands still in all of them but `response`, where it acts with that
+signal, alone or with such a sine on top. A load for both is listed twice, once without a signal.
 """
 
 import importlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from vibrom.bodies.space import Space
 from vibrom.config.instance import instance, plug
+from vibrom.config.kinds import Signal
 from vibrom.config.scene import STAGES, USUAL_STAGE
-from vibrom.term import SceneError, Term
+from vibrom.term import Driven, SceneError, Term
 
 Entry = Mapping[str, Any] | Sequence[Mapping[str, Any]] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """What every load may say beside where it acts."""
+
+    factor: float = 1.0  # times the load
+    # what drives it in `response`, by name, which add up; none: what drives the experiments
+    signal: Signal | None = None
+
+    def acting(self, load: np.ndarray) -> Term:
+        """The Term of this load (n,) [N per unit of the signal]."""
+        if self.signal is None:
+            return Term(load=self.factor * load)
+        return Term(driven=(Driven(self.factor * load, self.signal),))
 
 
 def assemble(space: Space, effects: Mapping[str, Entry]) -> Term:

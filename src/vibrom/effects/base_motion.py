@@ -12,15 +12,18 @@ from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
 from vibrom.config.kinds import Direction
+from vibrom.effects import Load
 from vibrom.term import Term
 
 STAGE = "load"
 
 
 @dataclass(frozen=True)
-class BaseMotion:
+class BaseMotion(Load):
     direction: Direction
 
     def assemble(self, space: Space, base: Term) -> Term:
         carried = base.require("carried", "base_motion", "inertia")
-        return Term(load=-carried[:, space.along("effects.base_motion.direction", self.direction)])
+        return self.acting(
+            -carried[:, space.along("effects.base_motion.direction", self.direction)]
+        )

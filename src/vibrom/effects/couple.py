@@ -14,13 +14,14 @@ import skfem
 
 from vibrom.bodies.space import AXES, Space
 from vibrom.config.kinds import Direction, Group
+from vibrom.effects import Load
 from vibrom.term import SceneError, Term
 
 STAGE = "load"
 
 
 @dataclass(frozen=True)
-class Couple:
+class Couple(Load):
     edge: Group  # of a plane body, or a face of one in space
     about: Direction = "z"  # of a plane body z
 
@@ -50,4 +51,4 @@ class Couple:
         if not load.any():
             cure = "is clamped; choose one that can move"
             raise SceneError(f"effects.couple.edge = {self.edge!r} {cure}")
-        return Term(load=load)
+        return self.acting(load)

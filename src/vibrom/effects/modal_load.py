@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from vibrom.bodies.space import Space
 from vibrom.config.kinds import Count
+from vibrom.effects import Load
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError, Term
 
@@ -13,7 +14,7 @@ STAGE = "load"
 
 
 @dataclass(frozen=True)
-class ModalLoad:
+class ModalLoad(Load):
     mode: Count = 1  # counted from one
 
     def assemble(self, space: Space, base: Term) -> Term:
@@ -24,4 +25,4 @@ class ModalLoad:
                 f"effects.modal_load.mode = {self.mode} is no mode of this body; choose 1 to "
                 f"{space.size - 1}"
             )
-        return Term(load=mass @ eigenmodes(base, self.mode).shape[self.mode - 1])
+        return self.acting(mass @ eigenmodes(base, self.mode).shape[self.mode - 1])

@@ -17,9 +17,10 @@ from vibrom.artefacts.progress import bar
 from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.balance import Ledger
-from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.model import Drive, Motion, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.training import Unsupported
+from vibrom.solvers.full.batch import Further
 from vibrom.solvers.full.newmark import Motion as SolverMotion
 from vibrom.solvers.full.newmark import Newmark, Record
 from vibrom.term import Term
@@ -27,6 +28,7 @@ from vibrom.term import Term
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
+Push = Drive | Signals | None
 CLOSE = 1e-9  # relative residual; rounding allows no less
 ON_STEP = 1e-6  # of a step: farther from one an instant is not on the grid
 
@@ -129,12 +131,11 @@ class FullOrder:
             self, newmark=newmark, steps_per_period=steps, initial_acceleration="equilibrium"
         )
 
-    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
         """See `Model.motion`. Raises ValueError where an instant does not lie on a step."""
         runs = len(start)
-        step = (np.full(runs, self.period) if drive is None else drive.period) / (
-            self.steps_per_period
-        )
+        period = drive.period if isinstance(drive, Drive) else np.full(runs, self.period)
+        step = period / self.steps_per_period
         places = [steps_of(watch.instants, step) for watch in watches]
         last = max(int(place[-1]) for place in places)
         record = _record(watches, places, last)
@@ -152,32 +153,41 @@ class FullOrder:
         return Motion(displacement, None, outcome, run.failed_at, unknown, balance, run.seconds)
 
     def balanced(
-        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None
+        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Push
     ) -> tuple[SolverMotion, np.ndarray]:
-        """`run`, and its work balance (b,)."""
+        """`run`, and its work balance (b,); loads with signals of their own may jump or change
+        faster than it looks, and are not judged.
+        """
+        if isinstance(drive, Signals):
+            return self.run(start, step, steps, record, drive), np.full(len(start), np.nan)
         ledger = Ledger(self.term, self.rest, step, self.steps_per_period, drive)
         run = self.run(start, step, steps, replace(record, observer=ledger), drive)
         return run, np.where(np.isnan(run.failed_at), ledger.balance(), np.nan)
 
     def run(
-        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Drive | None
+        self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Push
     ) -> SolverMotion:
         """`steps` steps of `step` (b,) [s] from `start` (b, 2n), with all that the integrator
-        keeps.
+        keeps. Loads with signals of their own act in steps of one length.
         """
         displacement, velocity = (part.T for part in np.split(start, 2, axis=1))
-        signal = None
-        if drive is not None:
+        term, signal, more = self.term, None, None
+        if isinstance(drive, Drive):
             phase = 2.0 * np.pi * np.arange(steps + 1)[:, None] / self.steps_per_period
             signal = np.sin(phase) * drive.amplitude
+        elif drive is not None:
+            values = drive.value(step[0] * np.arange(steps + 1)).transpose(1, 2, 0)
+            term, signal = replace(term, load=drive.load[0]), values[0]
+            more = Further(drive.load[1:], values[1:]) if len(drive.load) > 1 else None
         with bar(self.title, steps * len(start), "steps") as advance:
             motion = self.newmark.run(
-                self.term,
+                term,
                 self.rest[:, None] + displacement,
                 step,
                 steps,
                 velocity=velocity,
                 signal=signal,
+                more=more,
                 initial_acceleration=self.initial_acceleration,
                 record=record,
                 progress=advance,

@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 import xarray as xr
 
-from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.model import Drive, Motion, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.training import Unsupported
 from vibrom.solvers.periodic.maps import ReturnMap
@@ -37,7 +37,7 @@ class Measured:
         """See `Model.eigenvalues`."""
         return self.poles
 
-    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
         """Unsupported."""
         self._refuse()
 

@@ -2,6 +2,8 @@
 
     M a + C v + K q + sum f(q, v) = p u(t) + p_0,    u(t) = amplitude sin(frequency t)
 
+or, of loads with signals of any kind, sum_k p_k u_k(t) in place of p u(t).
+
 An experiment puts the same question to every model, in these words: where the motion starts, what
 drives it, at which instants which displacements are wanted. Displacements are measured from the
 rest state of the scene.
@@ -9,6 +11,7 @@ rest state of the scene.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -28,6 +31,14 @@ class Drive:
     def period(self) -> np.ndarray:
         """(b,) [s]."""
         return 2.0 * np.pi / self.frequency
+
+
+@dataclass(frozen=True)
+class Signals:
+    """Loads each with a signal of its own. Models take a signal as linear between their steps."""
+
+    load: np.ndarray  # (k, n) N per unit of each signal
+    value: Callable[[np.ndarray], np.ndarray]  # instants (m,) [s] -> u (b, k, m) of each run
 
 
 @dataclass(frozen=True)
@@ -75,7 +86,7 @@ class Model(Protocol):
         """Instants of a period at which the model is known without extra cost."""
         ...
 
-    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
         """From `start` (b, 2n) [m, m/s] at t = 0, driven or left alone."""
         ...
 

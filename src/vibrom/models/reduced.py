@@ -11,16 +11,17 @@ import numpy as np
 import xarray as xr
 
 from vibrom.models.calibration import Calibration
-from vibrom.models.model import Drive, Motion, Watch
+from vibrom.models.model import Drive, Motion, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
-from vibrom.models.rollout import Integrator, decode_displacement, rollout
+from vibrom.models.rollout import Integrator, decode_displacement, pushed, rollout
 from vibrom.models.rom import Rom
 from vibrom.models.training import Unsupported
 
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.flow_map import FlowMap
 
+CLOSE = 1e-9  # of a run: instants that are one
 JACOBIAN_STEP = 1e-5  # of the training range: differences of a cubic drift are exact to about 1e-10
 
 
@@ -68,8 +69,10 @@ class Reduced:
         difference = self.rom.drift(steps) - self.rom.drift(-steps)
         return np.linalg.eigvals(difference.T / (2.0 * JACOBIAN_STEP * self.rom.reach))
 
-    def motion(self, start: np.ndarray, drive: Drive | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
         """See `Model.motion`."""
+        if isinstance(drive, Signals):
+            return self._pushed(start, drive, *watches)
         runs, encoded = len(start), self.rom.encode(start)
         forcing = None
         if drive is not None:
@@ -97,6 +100,33 @@ class Reduced:
         seconds = time.perf_counter() - began
         outcome = np.array(run.outcome, dtype=object)
         return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, None, seconds)
+
+    def _pushed(self, start: np.ndarray, signals: Signals, *watches: Watch) -> Motion:
+        """Under signals of any kind. Of what a load adds beside the reduced coordinates, the part
+        that is in phase with it.
+        """
+        began = time.perf_counter()
+        watched = np.unique(np.concatenate([[0.0], *(watch.instants for watch in watches)]))
+        # Near instants of several watches are one.
+        watched = watched[np.diff(watched, prepend=-1.0) > CLOSE * watched[-1]]
+        longest = 2.0 * np.pi / self.frequency / self.samples
+        parts = np.maximum(np.ceil(np.diff(watched) / longest - CLOSE), 1.0).astype(int)
+        first = np.repeat(watched[:-1], parts)
+        within = np.concatenate([np.arange(count) / count for count in parts])
+        grid = np.append(first + within * np.repeat(np.diff(watched), parts), watched[-1])
+        run = pushed(self.rom, self.rom.encode(start), grid, signals)
+        found, displacement, values = [], [], signals.value(grid)
+        for watch in watches:
+            at = np.searchsorted(grid, watch.instants - 0.5 * CLOSE * grid[-1])
+            found.append(run.reduced[:, at])
+            shape = self.decoded(found[-1], watch.dofs)
+            for k, load in enumerate(signals.load):
+                added = self.rom.beside(found[-1], load, watch.dofs)
+                shape += 0.0 if added is None else added[0] * values[:, k, at, None]
+            displacement.append(shape)
+        outcome, seconds = np.array(run.outcome, dtype=object), time.perf_counter() - began
+        ended = outcome, run.failed_at, run.range_ratio
+        return Motion(tuple(displacement), tuple(found), *ended, None, seconds)
 
     def _beside(
         self, reduced: np.ndarray, instants: np.ndarray, drive: Drive, dofs: np.ndarray | None

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pkgutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated
@@ -24,12 +24,15 @@ from vibrom.models.training import MethodError
 from vibrom.solvers.reduced import steppers
 
 if TYPE_CHECKING:
+    from vibrom.models.model import Signals
     from vibrom.solvers.reduced.field import VectorField
+    from vibrom.solvers.reduced.records import Solution
 
 LIMIT = 10.0  # of the training range: beyond it a run has diverged
 # of the training range: beyond it a run has left the range; the margin covers the training data's
 # own sampling
 MARGIN = 1.01
+STEPS = 200  # to a period of the fastest reduced coordinate, under signals of any kind
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ def rollout(
         _time_scale(reach), integrator.steps
     )
     forcing = None if drive is None else records.Forcing(drive.amplitude, drive.frequency)
-    with _field(rom, drive) as field:
+    with _field(rom, None if drive is None else drive.load) as field:
         began = time.perf_counter()
         solution = integrate(
             stepper,
@@ -104,10 +107,35 @@ def rollout(
             forcing,
         )
         seconds = time.perf_counter() - began
-    outcome, failed_at = (
-        solution.outcome,
-        np.where(solution.ending == records.OK, np.nan, solution.ended_at),
-    )
+    return _ended(solution, reach, seconds)
+
+
+def pushed(rom: Rom, start: np.ndarray, instants: np.ndarray, signals: Signals) -> Rollout:
+    """z from `start` (b, r) at the first of `instants` (m,) [s], ascending, under loads with
+    signals of any kind, which are taken as linear between the instants.
+
+    Other steps than an integrator's: they end where the signals have corners, however small its
+    tolerance, and are short enough beside the model's own motion that none is needed.
+    """
+    from vibrom.solvers.reduced import driven, records
+
+    reach = rom.reach
+    longest = 2.0 * np.pi * _time_scale(reach) / STEPS
+    steps = np.maximum(np.ceil(np.diff(instants) / longest), 1.0).astype(np.int64)
+    bounds, signal = records.Bounds(MARGIN * reach, LIMIT * reach), signals.value(instants)
+    with ExitStack() as open_fields:
+        fields = [open_fields.enter_context(_field(rom, load)) for load in signals.load]
+        forces = [field.force for field in fields if field.force is not None]
+        began = time.perf_counter()
+        solution = driven.integrate(fields[0].drift, forces, start, instants, steps, signal, bounds)
+        seconds = time.perf_counter() - began
+    return _ended(solution, reach, seconds)
+
+
+def _ended(solution: Solution, reach: np.ndarray, seconds: float) -> Rollout:
+    """How each run ended, those among them that left the training range."""
+    outcome = solution.outcome
+    failed_at = np.where([item == Outcome.OK for item in outcome], np.nan, solution.ended_at)
     for run in np.flatnonzero(np.isnan(failed_at) & ~np.isnan(solution.left_at)):
         outcome[run], failed_at[run] = Outcome.LEFT_RANGE, solution.left_at[run]
     ratio = (solution.peak / reach).max(axis=1)
@@ -123,16 +151,15 @@ def _time_scale(reach: np.ndarray) -> float:
 
 
 @contextmanager
-def _field(rom: Rom, drive: Drive | None) -> Iterator[VectorField]:
+def _field(rom: Rom, load: np.ndarray | None) -> Iterator[VectorField]:
     """The compiled field of the model, or one that calls its `drift` and `force_map`."""
     from vibrom.solvers.reduced.functions import field_of
 
-    load = None if drive is None else drive.load
     compiled = rom.field(load)
     if compiled is not None:
         yield compiled
         return
-    force = None if drive is None else lambda z: rom.force_map(z, drive.load)
+    force = None if load is None else lambda z: rom.force_map(z, load)
     with field_of(len(rom.reach), rom.drift, force) as field:
         yield field
 

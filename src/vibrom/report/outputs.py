@@ -5,13 +5,13 @@ title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or th
 PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene", and
 DATA, where its numbers are. `plot` of a figure replaces it on the page (`report.plots`); without
 one, `seen(collection, scores, scene) -> str` says its numbers to those who cannot see it.
-A figure with GLANCE stands near the top of the page. ALSO names studies whose artefacts a table or
-figure needs besides those of its family. An experiment without a table of its own has one of its
-scores.
+ASKED names the experiment whose scenes alone have the figure. A figure with GLANCE stands near the
+top of the page. ALSO names studies whose artefacts a table or figure needs besides those of its
+family. An experiment without a table of its own has one of its scores.
 """
 
 import ast
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import NamedTuple
 
@@ -75,15 +75,25 @@ def has_table(name: str) -> bool:
     return name in _listed("tables")
 
 
-def figures(family: str, scenes: Iterable[str], recorded: Iterable[str] = ()) -> dict[str, Drawing]:
+def figures(
+    family: str,
+    scenes: Iterable[str],
+    recorded: Iterable[str] = (),
+    asked: Callable[[str], Iterable[str]] | None = None,
+) -> dict[str, Drawing]:
     """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>; those with the
-    constant RECORDED are of `recorded` scenes only.
+    constant RECORDED are of `recorded` scenes only, those with ASKED of scenes in which that
+    experiment is `asked`, if that is known.
     """
     found: dict[str, Drawing] = {}
     for plug, constants in _listed("figures").items():
         if constants["FAMILY"] == family:
-            shown = recorded if constants.get("RECORDED") else scenes
-            for scene in [None] if constants["EACH"] == "run" else shown:
+            shown: list[str | None] = list(recorded if constants.get("RECORDED") else scenes)
+            if asked is not None and (name := constants.get("ASKED")):
+                shown = [scene for scene in shown if name in asked(scene)]
+            if constants["EACH"] == "run" and shown:
+                shown = [None]
+            for scene in shown:
                 name = plug if scene is None else f"{plug}_{scene}"
                 if name in found:
                     raise ValueError(f"two figures are called {name}; rename the scene {scene}")

@@ -33,6 +33,11 @@ def run(*, structure: str, scene: dict[str, Any], name: str, provenance: dict[st
     variables = geometry(body) | of_modes(term, *found)
     load = np.zeros(body.size) if term.load is None else term.load
     variables["load"] = variable("dof", load, "N", "load per unit of the signal")
+    if term.driven:
+        own = np.array([one.load for one in term.driven])
+        variables["driven_load"] = variable(
+            ("driven", "dof"), own, "N", "load per unit of its own signal"
+        )
     if scene["body"].get("element") == "bilinear":
         # Bilinear elements lock in shear when they bend; the report shows by how much.
         finer = space.build({**scene["body"], "element": "quadratic", "probes": {}})
@@ -58,6 +63,8 @@ def run(*, structure: str, scene: dict[str, Any], name: str, provenance: dict[st
         "mode": variable("mode", np.arange(1, count + 1), "1", "number of the mode"),
     }
     blocks = {block: scene[block] for block in ("body", "effects")}
+    if term.driven:
+        blocks["signals"] = [one.signal for one in term.driven]
     dataset = label(
         xr.Dataset(variables, coords), "structure", scene=name, method=FULL_ORDER, **blocks
     )

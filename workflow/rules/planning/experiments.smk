@@ -125,22 +125,27 @@ def asked(experiments):
 
 
 def reduced_code(experiments):
-    """The code of the experiments and of the fitted model."""
+    """The code of the experiments, of the fitted model and of the scene's signals."""
     modules = [f"experiments.{name}" for name in experiments]
     return lambda wildcards: code(
-        "ask", *modules, "models.reduced", method_module(wildcards.method)
+        "ask",
+        *modules,
+        *SETTINGS.signals_of(wildcards.scene),
+        "models.reduced",
+        method_module(wildcards.method),
     )
 
 
 def full_order_answer_code(experiment):
-    """The code of the experiment, of the full-order model and of the scene's effects; of a recorded
-    scene that of what was measured.
+    """The code of the experiment, of the full-order model and of the scene's effects and signals;
+    of a recorded scene that of what was measured.
     """
 
     def attributes(wildcards):
         model = "measured" if wildcards.scene in RECORDED_SCENES else "full_order"
         own = f"experiments.{experiment}", f"models.{model}"
-        return code("ask", *own, *scene_modules(wildcards))
+        signals = SETTINGS.signals_of(wildcards.scene)
+        return code("ask", *own, *scene_modules(wildcards), *signals)
 
     return attributes
 

@@ -75,7 +75,10 @@ FAMILIES = {
 }
 PRESENT = [name for name, family in FAMILIES.items() if family.scenes]
 TABLES = {name: outputs.tables(name, SETTINGS.experiments) for name in PRESENT}
-FIGURES = {name: outputs.figures(name, FAMILIES[name].scenes, RECORDED_SCENES) for name in PRESENT}
+FIGURES = {
+    name: outputs.figures(name, FAMILIES[name].scenes, RECORDED_SCENES, SETTINGS.asked)
+    for name in PRESENT
+}
 MADE = {"tables": TABLES, "figures": FIGURES}
 
 

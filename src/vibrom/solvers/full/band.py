@@ -7,7 +7,7 @@ from typing import NamedTuple
 from vibrom.kernels.banded import Kernels, Product, Products
 from vibrom.kernels.compiled import Blocks, Places, Rows, part
 from vibrom.kernels.lanes import fill, get, put, sqrt
-from vibrom.solvers.full.batch import Loads, Steps
+from vibrom.solvers.full.batch import Loads, Steps, push_further
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.scheme import extrapolated, predicted, within
 from vibrom.solvers.full.store import State, copy, finish_step
@@ -102,6 +102,7 @@ def evaluate(body, state, iteration, step, first, width):
     """
     forces, work, u = body.forces, body.work, get(body.system.loads.signal, step, width)
     if first:
+        push_further(body.system.loads, step)
         evaluate_linear(body, state, width)
     else:
         follow_linear(body, width)

@@ -11,9 +11,10 @@ from scipy.linalg import LinAlgError, solveh_banded
 from scipy.sparse.linalg import splu
 
 from vibrom.kernels import banded
-from vibrom.kernels.compiled import Rows, Vector
+from vibrom.kernels.compiled import Rows, Vector, part
 from vibrom.kernels.lanes import room
 from vibrom.solvers.full.scheme import Scheme, weights
+from vibrom.solvers.full.shapes import shaped
 from vibrom.solvers.full.store import State
 from vibrom.term import SceneError, Term
 
@@ -33,11 +34,39 @@ class Steps(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """p u(t) + p_0."""
+    """p u(t) + p_0, and of one state alone further loads p_k u_k(t)."""
 
     signal: Rows  # (steps + 1, width), where the equation of motion holds in the step before
     load: Vector  # (n,) N per unit of the signal
-    dead_load: Vector  # (n,) N
+    dead_load: Vector  # (n,) N, with the further loads of the step
+    dead: Vector  # (n,) N, p_0 itself
+    further: Rows  # (k, n) N per unit of each signal; often none
+    signals: Rows  # (steps + 1, k), likewise
+
+
+@part
+def push_further(loads, step):
+    """Adds the further loads of a step to the dead load."""
+    if loads.further.shape[0] > 0:
+        for i in range(loads.dead.shape[0]):
+            total = loads.dead[i]
+            for k in range(loads.further.shape[0]):
+                total += loads.further[k, i] * loads.signals[step, k]
+            loads.dead_load[i] = total
+
+
+@dataclass(frozen=True)
+class Further:
+    """Loads beside that of a term, each with a signal of its own."""
+
+    load: np.ndarray  # (k, n) N per unit of each signal
+    signal: np.ndarray  # (k, steps + 1, states)
+
+    def checked(self, n: int, steps: int, states: int) -> Further:
+        """As contiguous arrays of these shapes."""
+        k, sizes = len(self.load), {"steps + 1": steps + 1, "states": states}
+        load = shaped("more.load", self.load, k=k, n=n)
+        return Further(load, shaped("more.signal", self.signal, k=k, **sizes))
 
 
 def batch_width(remaining: int) -> int:
@@ -56,6 +85,7 @@ class Batch:
     h: np.ndarray  # (width,) s
     signal: np.ndarray  # (steps + 1, width)
     at_equilibrium: bool  # does the acceleration start at equilibrium with the forces, or at zero?
+    more: Further | None = None  # loads beside the term's
 
     @property
     def width(self) -> int:
@@ -71,6 +101,7 @@ class Batch:
             v=np.ascontiguousarray(self.v[:, some]),
             h=self.h[some],
             signal=np.ascontiguousarray(self.signal[:, some]),
+            more=self.more and Further(self.more.load, self.more.signal[:, :, some]),
         )
 
     @cached_property
@@ -84,10 +115,24 @@ class Batch:
         """Its loads; a load that is not there is zero."""
         term, none = self.term, np.zeros(self.term.size)
         load, dead = (none if part is None else part for part in (term.load, term.dead_load))
-        signal, before = np.array(self.signal, float), self.scheme.alpha_f
+        dead, signals, further = (
+            np.array(dead, float),
+            self._held(self.signal),
+            np.zeros((0, len(none))),
+        )
+        alone = np.zeros((len(signals), 0))
+        if self.more:
+            further = np.array(self.more.load, float)
+            alone = np.ascontiguousarray(self._held(self.more.signal[:, :, 0].T))
+        first = dead + alone[0] @ further
+        return Loads(signals, np.array(load, float), first, dead, further, alone)
+
+    def _held(self, signal: np.ndarray) -> np.ndarray:
+        """A signal (steps + 1, any) where the equation of motion holds in the step before."""
+        held, before = np.array(signal, float), self.scheme.alpha_f
         if before:
-            signal[1:] = before * signal[:-1] + (1.0 - before) * signal[1:]
-        return Loads(signal, np.array(load, float), np.array(dead, float))
+            held[1:] = before * held[:-1] + (1.0 - before) * held[1:]
+        return held
 
     def start(self) -> State:
         """Displacements, velocities and accelerations, from the beginning of a cache line on."""
@@ -117,10 +162,10 @@ class Batch:
 
     def _acceleration(self) -> np.ndarray:
         """Solves  M a = p u + p_0 - C v - K q - sum f(q, v)."""
-        signal, load, dead_load = self.loads
+        loads = self.loads
         r = (
-            load[:, None] * signal[0]
-            + dead_load[:, None]
+            loads.load[:, None] * loads.signal[0]
+            + loads.dead_load[:, None]
             - self.internal(self.term, self.q, self.v)
         )
         if self.term.damping is not None:

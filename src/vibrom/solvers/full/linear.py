@@ -23,7 +23,15 @@ from vibrom.kernels import banded, blocks
 from vibrom.kernels.banded import Product
 from vibrom.kernels.compiled import Blocks, Numbers, Rows, kernel, machine_type, part
 from vibrom.kernels.lanes import get, put, room
-from vibrom.solvers.full.batch import Batch, Loads, Steps, batch_width, linear_tangent, mass_damping
+from vibrom.solvers.full.batch import (
+    Batch,
+    Loads,
+    Steps,
+    batch_width,
+    linear_tangent,
+    mass_damping,
+    push_further,
+)
 from vibrom.solvers.full.newton import Limits
 from vibrom.solvers.full.scheme import predicted, within
 from vibrom.solvers.full.store import Span, State, Store, chunk, copy, finish_step, keep
@@ -54,6 +62,7 @@ def linear_step(system, multiply_add, solve, state, failed, step, width):
     inside = within(scheme)
     if inside:
         copy(state, start, width)
+    push_further(loads, step)
     u = by_q * get(loads.signal, step, width)
     for i in range(r.shape[0]):
         q, v, a = get(state.q, i, width), get(state.v, i, width), get(state.a, i, width)

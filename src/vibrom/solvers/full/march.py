@@ -27,7 +27,7 @@ def integrate(
     states, steps = start.width, len(start.signal) - 1
     motion, first = record.allocate(start.term.size, states, steps), 0
     while first < states:
-        width = method.batch_width(states - first)
+        width = 1 if start.more else method.batch_width(states - first)
         where = slice(first, min(first + width, states))
         with passing_kernels():
             method.compile(start, width)

@@ -10,7 +10,7 @@ triangle: this affects convergence, not the solution.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 
 import numpy as np
@@ -18,7 +18,7 @@ import numpy as np
 from vibrom.kernels import banded
 from vibrom.solvers.full import schemes
 from vibrom.solvers.full.banded_steps import BandedSteps
-from vibrom.solvers.full.batch import Batch
+from vibrom.solvers.full.batch import Batch, Further
 from vibrom.solvers.full.linear import LinearSteps
 from vibrom.solvers.full.march import integrate
 from vibrom.solvers.full.motion import Motion, Record
@@ -57,6 +57,7 @@ class Newmark:
         *,
         velocity: np.ndarray | None = None,  # (n, states) m/s; None: at rest
         signal: np.ndarray | None = None,  # (steps + 1, states) u at every step; None: zero
+        more: Further | None = None,  # loads beside that of the term
         initial_acceleration: str = "equilibrium",  # with the forces at the start, or zero
         record: Record | None = None,  # None: all of every step
         progress: Callable[[int], None] | None = None,  # hears how many state-steps were added
@@ -66,6 +67,8 @@ class Newmark:
         start = self._checked(
             term, displacement, velocity, step, steps, signal, initial_acceleration, record
         )
+        if more is not None:
+            start = replace(start, more=more.checked(term.size, steps, start.width))
         method, half = self._method(term)
         limits = Limits(self.tolerance, self.patience, self.max_iterations)
         return integrate(method, start, limits, half, record, progress)

@@ -72,12 +72,13 @@ class SparseSteps:
 
     def evaluate(self, state, iteration, step, first, width):
         """The residual, its norm and at first its scale."""
-        term, (signal, load, dead_load) = self.batch.term, self.batch.loads
+        term, loads = self.batch.term, self.batch.loads
         inertial = term.mass @ state.a
         if term.damping is not None:
             inertial += term.damping @ state.v
         restoring = self.batch.internal(self.batch.stepped, self.path(state), state.v)
-        external = (load * signal[step, 0] + dead_load)[:, None]
+        further = loads.signals[step] @ loads.further
+        external = (loads.load * loads.signal[step, 0] + loads.dead + further)[:, None]
         self.r = external - inertial - restoring
         with np.errstate(over="ignore"):  # what is too large has not converged
             iteration.norm[:] = np.linalg.norm(self.r)
