@@ -34,6 +34,7 @@ NAMES = (
     "effects",
     "growth",
     "memory",
+    "elements",
     "solid",
     "budget",
     "compilation",

@@ -14,6 +14,8 @@ PLUGS = {
     "bodies": "A body is a shape: `body.shape` of a scene names one, the others are its settings.",
     "effects": "What acts on a body. A scene lists the effects it has; what it does not list is "
     "not simulated, not imported and not compiled.",
+    "signals": "What drives a load in the experiment `response`: `signal` of a load names one or "
+    "more, which add up. A load without a signal is what the other experiments drive.",
     "methods": "How a reduced model is made. `config/methods/<name>.yaml` lists what differs from "
     "these defaults; a variant is such a file with `method:`.",
     "experiments": "One question, put to the full order and to every model alike. Settings stand "

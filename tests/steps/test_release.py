@@ -1,11 +1,16 @@
 """Release states against an integration of the same sweep by SciPy."""
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 import two_dofs
 from scipy.integrate import solve_ivp
 
-from vibrom.config.scene import Release, Sweep
-from vibrom.steps.release import displaced, swept, turning_point
+from vibrom.artefacts.data import DataError
+from vibrom.config.scene import Release, Sweep, Velocity
+from vibrom.models.model import Watch
+from vibrom.steps.release import displaced, swept, thrown, turning_point
 
 FORCING = 0.3
 SWEEP = Sweep(frequencies=(0.9, 1.1), periods=4)
@@ -59,3 +64,35 @@ def test_what_the_load_holds_is_released():
     held = displaced(two_dofs.full_order(), "train", Release(forcing=FORCING, static=True), {})
     expected = FORCING * np.linalg.solve(two_dofs.STIFFNESS, two_dofs.LOAD)
     np.testing.assert_allclose(held, expected, rtol=1e-9)
+
+
+def test_a_velocity_is_that_of_all_points_or_has_the_shape_of_a_mode():
+    model = replace(two_dofs.full_order(), axis=np.array([1, 0]))
+    fall = thrown(model, "train", Velocity(speed=-2.0, direction="y"), two_dofs.MODES)
+    np.testing.assert_array_equal(fall, [-2.0, 0.0])
+    swing = thrown(model, "train", Velocity(speed=3.0, mode=2), two_dofs.MODES)
+    np.testing.assert_allclose(swing, 3.0 * two_dofs.MODES[1] / two_dofs.MODES[1, 0])
+    assert not thrown(model, "train", None, two_dofs.MODES).any()
+    assert not displaced(model, "train", Release(velocity=Velocity(speed=1.0, mode=1)), {}).any()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [({"direction": "z"}, "none in which the body moves"), ({"mode": 3}, "one of the first 2")],
+)
+def test_a_velocity_that_cannot_be_is_one_line(given, words):
+    model = replace(two_dofs.full_order(), axis=np.array([1, 0]))
+    with pytest.raises(DataError, match=words):
+        thrown(model, "train", Velocity(speed=1.0, **given), two_dofs.MODES)
+
+
+def test_a_body_that_is_thrown_in_a_mode_swings_as_that_mode():
+    """z = v/b e^(-a t) sin b t, within the time steps' (omega h)^2/24 of a phase."""
+    model = replace(two_dofs.full_order(), axis=np.array([1, 0]))
+    start = thrown(model, "train", Velocity(speed=3.0, mode=1), two_dofs.MODES)
+    time = np.arange(101) / 50 * model.period
+    state = np.concatenate([np.zeros(2), start])[None]
+    found = model.motion(state, None, Watch(time)).displacement[0][0]
+    a, b = two_dofs.RATIOS[0] * two_dofs.FREQUENCIES[0], two_dofs.DAMPED
+    true = np.outer(np.exp(-a * time) * np.sin(b * time) / b, start)
+    assert np.abs(found - true).max() < 1e-3 * np.abs(true).max()

@@ -184,4 +184,47 @@ BAD_SCENES = {
         10**8,
         ["time.steps_per_period = 100000000", "at most 1000000"],
     ),
+    "unknown signal": (
+        SCENE,
+        "effects.modal_load.signal",
+        {"chrip": {}},
+        ["effects.modal_load.signal.chrip", "is not known", "did you mean 'chirp'?"],
+    ),
+    "no signal": (SCENE, "effects.modal_load.signal", {}, ["modal_load.signal = {}", "at least 1"]),
+    "unknown setting of a signal": (
+        SCENE,
+        "effects.modal_load.signal",
+        {"sine": {"frequncy": 1.0}},
+        ["signal.sine.frequncy = 1.0", "did you mean 'frequency'?"],
+    ),
+    "missing setting of a signal": (
+        SCENE,
+        "effects.modal_load.signal",
+        {"chirp": {"first": 1.0, "last": 2.0}},
+        ["signal.chirp.duration", "is missing", "(s)"],
+    ),
+    "signal of a file that is not there": (
+        SCENE,
+        "effects.modal_load.signal",
+        {"file": {"path": "quake.csv"}},
+        ["signal.file.path = 'quake.csv'", "cannot be read", "beside the scene's"],
+    ),
+    "velocity along an axis and in a mode": (
+        SCENE,
+        "releases.train.velocity",
+        {"speed": 1.0, "direction": "y", "mode": 1},
+        ["releases.train.velocity", "gives direction and mode", "give one"],
+    ),
+    "release without a forcing": (
+        SCENE,
+        "releases.train.forcing",
+        ...,
+        ["releases.train.forcing", "is missing", "add it"],
+    ),
+    "velocity with a step and no forcing": (
+        SCENE,
+        "releases.train",
+        {"step": 100, "velocity": {"speed": 1.0, "mode": 1}},
+        ["releases.train.forcing", "step needs it"],
+    ),
 }

@@ -152,10 +152,7 @@ def _experiments(layers: Layers, asked: set[str]) -> dict[str, dict[str, Any]]:
 def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     """What no single entry says."""
     for role, release in plain["releases"].items():
-        given = [key for key in ("step", "sweep", "static") if release[key]]
-        if len(given) != 1:
-            cure = f"gives {' and '.join(given) or 'none'} of step, sweep and static; give one"
-            layers.refuse(("releases", role), release, cure)
+        _check_release(release, ("releases", role), layers)
     train, test = plain["releases"]["train"], plain["releases"]["test"]
     if train == test:
         cure = "is the training state; give another forcing, step or sweep"
@@ -175,6 +172,28 @@ def _check_scene(plain: dict[str, Any], layers: Layers) -> None:
     if time["alpha"] and not plugs.constants(SCHEMES, time["scheme"]).get("DAMPED", True):
         cure = f"is damped, and time.scheme = {time['scheme']!r} has no damping; set it to zero"
         layers.refuse(("time", "alpha"), time["alpha"], cure)
+
+
+def _check_release(release: dict[str, Any], path: tuple, layers: Layers) -> None:
+    """A displacement, a velocity, or both."""
+
+    def one(block: dict[str, Any], where: tuple, *names: str) -> None:
+        given = [name for name in names if block[name]]
+        if len(given) != 1:
+            listed = f"{', '.join(names[:-1])} and {names[-1]}"
+            cure = f"gives {' and '.join(given) or 'none'} of {listed}; give one"
+            layers.refuse(where, block, cure)
+
+    if release["velocity"]:
+        one(release["velocity"], (*path, "velocity"), "direction", "mode")
+    if release["forcing"] or not release["velocity"]:
+        one(release, path, "step", "sweep", "static")
+        if not release["forcing"]:
+            cure = "is missing; add it (amplitude, as a multiple of the load)"
+            layers.refuse((*path, "forcing"), None, cure)
+    elif given := [name for name in ("step", "sweep", "static") if release[name]]:
+        cure = f"is missing, and {given[0]} needs it; add it"
+        layers.refuse((*path, "forcing"), None, cure)
 
 
 def method(sources: Sources, folder: Path, name: str) -> MethodFile:

@@ -11,7 +11,17 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from vibrom.config.kinds import Count, Fraction, Name, Positive, Step, Steps, TimeScheme, Tolerance
+from vibrom.config.kinds import (
+    Count,
+    Direction,
+    Fraction,
+    Name,
+    Positive,
+    Step,
+    Steps,
+    TimeScheme,
+    Tolerance,
+)
 
 Role = Literal["train", "test"]
 # Effects add up in this order, whatever the order of their keys, those of one stage by their names:
@@ -50,17 +60,29 @@ class Sweep(Block, frozen=True):
     periods: Count  # of the forcing, at each frequency
 
 
-class Release(Block, frozen=True):
-    """Where a decay starts: a displacement of a forced run, or the one that the load holds. One of
-    `step`, `sweep` and `static` is given.
+class Velocity(Block, frozen=True):
+    """At the start: of all that can move, along an axis, or in the shape of a mode. One of
+    `direction` and `mode` is given.
     """
 
-    forcing: Positive  # amplitude, as a multiple of the load
+    speed: float  # m/s, of every point; in the shape of a mode, of the first probe
+    direction: Direction | None = None
+    mode: Count | None = None  # counted from one
+
+
+class Release(Block, frozen=True):
+    """Where a decay starts: a displacement of a forced run, or the one that the load holds, at rest
+    or with a velocity. One of `step`, `sweep` and `static` is given with a `forcing`; with a
+    `velocity` none is needed.
+    """
+
+    forcing: Positive | None = None  # amplitude, as a multiple of the load
     # the displacement at this time step of a run from rest at the damped first frequency
     step: Step | None = None
     # the turning point, on the load's side, of the last period of this run
     sweep: Sweep | None = None
     static: bool = False  # the equilibrium under the load itself
+    velocity: Velocity | None = None  # none: at rest
 
 
 class Record(Block, frozen=True):

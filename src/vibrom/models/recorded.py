@@ -38,6 +38,14 @@ def differences(
     return velocity, sum(c * w for c, w in zip(SECOND, windows)) / step**2
 
 
+def released(release: xr.Dataset, role: str) -> np.ndarray:
+    """(2n,) displacement from rest [m] and velocity [m/s] of a release."""
+    state = release.sel(role=role)
+    shape = state["displacement"].values
+    speed = state["velocity"].values if "velocity" in state else np.zeros_like(shape)
+    return np.concatenate([shape, speed])
+
+
 def trajectories(dataset: xr.Dataset, *, lazy: bool = False) -> tuple[Trajectory, ...]:
     """The finite parts of recorded decays: one, or several that follow one another; `lazy` of a
     dataset that is open, from which a sample is read when it is needed.

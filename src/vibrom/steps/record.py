@@ -1,5 +1,4 @@
-"""Release state -> train.nc or test.nc: the recorded decay of the full-order model, released at
-rest.
+"""Release state -> train.nc or test.nc: the recorded decay of the full-order model.
 
 Velocity and acceleration are the integrator's, or differences of the displacements as for measured
 data (`record.derivatives`). Beside the test decay stands what it would be without errors of the
@@ -26,7 +25,7 @@ from vibrom.config.places import FULL_ORDER
 from vibrom.config.scene import Record, Time
 from vibrom.models.balance import balance_variable, checked
 from vibrom.models.full_order import FullOrder
-from vibrom.models.recorded import STENCIL, differences
+from vibrom.models.recorded import STENCIL, differences, released
 from vibrom.solvers.full.newmark import Record as Kept
 
 BESIDE = "converged_displacement"
@@ -44,7 +43,6 @@ def run(
     """`scene` has the blocks `body`, `effects`, `record` and `time`."""
     known = open_dataset(structure, "structure")
     model, record = FullOrder.of_scene(scene, known), Record.from_builtins(scene["record"])
-    shape = open_dataset(release, "release")["displacement"].sel(role=role).values
     steps, every = record.periods * model.steps_per_period, Time.from_builtins(scene["time"]).every
     lost = STENCIL // 2 if record.derivatives == "differences" else 0
     kept = np.arange(lost, steps + 1 - lost, every)
@@ -53,7 +51,7 @@ def run(
         step = model.period / model.steps_per_period
         rows = Rows(file, model.rest, step, every, lost)
         keep = Kept(every=1 if lost else every, probes=model.probes, sink=rows)
-        start = np.concatenate([shape, np.zeros_like(shape)])[None]
+        start = released(open_dataset(release, "release"), role)[None]
         motion, balance = model.balanced(start, np.array([step]), steps, keep, None)
         ended = checked(np.array(motion.outcomes, dtype=object), balance, record.balance)
         probes = motion.probes[0][:, kept]

@@ -1,8 +1,9 @@
-"""Scene -> release.nc: the shapes from which the body is released.
+"""Scene -> release.nc: the shapes, and velocities, from which the body is released.
 
-Each is the displacement of a run forced from rest: at the damped first frequency, at the step that
-the scene names; or, of a run whose frequency is changed in steps, at the turning point of its last
-period. A sweep reaches motions that a run from rest never shows.
+A shape is the displacement of a run forced from rest: at the damped first frequency, at the step
+that the scene names; or, of a run whose frequency is changed in steps, at the turning point of its
+last period; or the equilibrium under the load. A sweep reaches motions that a run from rest never
+shows. A velocity is that of all points along an axis, or has the shape of a mode.
 """
 
 from dataclasses import replace
@@ -13,24 +14,27 @@ import xarray as xr
 
 from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.artefacts.outcome import Outcome
+from vibrom.bodies.space import AXES
 from vibrom.config.places import FULL_ORDER
-from vibrom.config.scene import Release, Sweep
+from vibrom.config.scene import Release, Sweep, Velocity
 from vibrom.models.full_order import FullOrder
 from vibrom.models.model import Drive, Watch
 from vibrom.solvers.full.newmark import Motion, Record
 from vibrom.solvers.full.static import NoEquilibrium, equilibrium
 
 ROLES = ("train", "test")
+STILL = 1e-3  # of a mode's largest displacement: a probe that moves less shows no speed
 
 
 def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict[str, str]) -> None:
     """`scene` has the blocks `body`, `effects`, `releases` and `time`."""
     known = open_dataset(structure, "structure")
     model = FullOrder.of_scene(scene, known)
-    shapes, legs = [], {}
+    shapes, velocities, legs = [], [], {}
     for role in ROLES:
         recipe = Release.from_builtins(scene["releases"][role])
         shapes.append(displaced(model, role, recipe, legs))
+        velocities.append(thrown(model, role, recipe.velocity, known["mode_shape"].values))
     dataset = xr.Dataset(
         {
             "displacement": variable(
@@ -43,6 +47,10 @@ def run(*, structure: str, release: str, scene: dict[str, Any], provenance: dict
             )
         },
     )
+    if np.any(velocities):
+        dataset["velocity"] = variable(
+            ("role", "dof"), np.array(velocities), "m s-1", "velocity of the release state"
+        )
     dataset = label(
         dataset,
         "release",
@@ -57,11 +65,40 @@ def displaced(model: FullOrder, role: str, recipe: Release, legs: dict) -> np.nd
     """(n,) [m] from the rest state; `legs` as of `turning_point`. Raises DataError where there is
     none.
     """
+    if recipe.forcing is None:
+        return np.zeros(model.size)
     if recipe.static:
         return held(model, role, recipe.forcing)
     if recipe.sweep is not None:
         return turning_point(model, role, recipe.forcing, recipe.sweep, legs)
     return at_step(model, role, recipe.forcing, recipe.step)
+
+
+def thrown(model: FullOrder, role: str, velocity: Velocity | None, modes: np.ndarray) -> np.ndarray:
+    """(n,) [m/s]; `modes` (k, n) are shapes. Raises DataError where it would be none."""
+    if velocity is None:
+        return np.zeros(model.size)
+    where = f"releases.{role}.velocity"
+    if velocity.direction is not None:
+        shape = np.asarray(model.axis == AXES.index(velocity.direction), float)
+        if not shape.any():
+            raise DataError(
+                f"{where}.direction = {velocity.direction!r} is none in which the body moves; "
+                "choose another"
+            )
+        return velocity.speed * shape
+    if velocity.mode > len(modes):
+        raise DataError(
+            f"{where}.mode = {velocity.mode} is not known; choose one of the first {len(modes)}"
+        )
+    shape = modes[velocity.mode - 1]
+    seen = shape[model.probes[0]]
+    if abs(seen) < STILL * np.abs(shape).max():
+        raise DataError(
+            f"{where}.mode = {velocity.mode} does not move the first probe, whose speed is given; "
+            "put another probe first"
+        )
+    return velocity.speed / seen * shape
 
 
 def held(model: FullOrder, role: str, forcing: float) -> np.ndarray:

@@ -28,6 +28,7 @@ from vibrom.config.plugs import in_order
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import crossings, nmte_percent
 from vibrom.models.model import Drive
+from vibrom.models.recorded import released
 from vibrom.solvers.full import static
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.solvers.full.newmark import Motion, Record
@@ -77,7 +78,7 @@ class Runs:
     """What every body is evaluated on: the whole scene's instants, release and forcing."""
 
     whole: FullOrder
-    release: np.ndarray  # (n,) m, from the undeformed body
+    release: np.ndarray  # (2n,) m, from the undeformed body, and m/s
     forcing: float  # amplitude, times the scene's load
     every: int  # store every n-th step
     decay_steps: int
@@ -90,7 +91,7 @@ class Runs:
 
     def decay(self, body: FullOrder, steps: int, record: Record) -> Motion:
         """A body, about its own rest state, that is released."""
-        start = np.concatenate([self.release - body.rest, np.zeros(body.size)])
+        start = self.release - np.concatenate([body.rest, np.zeros(body.size)])
         return body.run(start[None], np.array([self.step]), steps, record, None)
 
     def forced(self, body: FullOrder) -> Motion:
@@ -122,11 +123,11 @@ class Ablation(Study):
     def of_scene(self, case: Case) -> xr.Dataset:
         """One entry an effect, the whole scene first."""
         whole, listed = FullOrder.of_scene(dict(case.scene), case.structure), case.scene["effects"]
-        release = case.full_order["release"]["displacement"].sel(role="test").values
+        release = released(case.full_order["release"], "test")
         per_period, every = whole.steps_per_period, case.scene["time"]["every"]
         runs = Runs(
             whole,
-            whole.rest + release,
+            release + np.concatenate([whole.rest, np.zeros(whole.size)]),
             float(case.settings("forced")["forcing"]),
             every,
             self.decay_periods * per_period,

@@ -159,7 +159,8 @@ def as_printed(scene: str, collection: Collection) -> set[str]:
     for role in ("train", "test"):
         state = published.state(scene, role)
         recipe = recipes.get(role, state)
-        if (recipe["forcing"], recipe["step"]) == (state["forcing"], state["step"]):
+        alike = (recipe["forcing"], recipe["step"]) == (state["forcing"], state["step"])
+        if alike and not recipe.get("velocity"):
             same.add(role)
     for name in ("forced", "frc", "branches"):
         own = promises.FORCING[scene]
