@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from vibrom.artefacts.files import DataError
-from vibrom.config.files import digest
+from vibrom.config.digest import digest
 from vibrom.config.kinds import DataFile, NonNegative, Positive
 from vibrom.recordings.files import array, read
 from vibrom.signals import SignalError
