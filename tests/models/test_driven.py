@@ -9,8 +9,23 @@ from scipy.integrate import quad
 from scipy.signal import lsim
 
 from vibrom.artefacts.outcome import Outcome
+from vibrom.latent.polynomial_rom import PolynomialRom
 from vibrom.models.model import Drive, Signals, Watch
 from vibrom.signals import total
+
+
+class Plain(PolynomialRom):
+    """In numpy alone."""
+
+    def field(self, p):
+        return None
+
+
+def plain():
+    exact = two_dofs.reduced()
+    fields = {item.name: getattr(exact.rom, item.name) for item in dataclasses.fields(exact.rom)}
+    return dataclasses.replace(exact, rom=Plain(**fields))
+
 
 MODELS = {"full order": two_dofs.full_order, "reduced": two_dofs.reduced}
 PERIOD = 2 * np.pi / two_dofs.DAMPED
@@ -106,6 +121,17 @@ def test_any_signal_is_that_of_a_linear_simulation(kind):
 
     run = motion(MODELS[kind](), [two_dofs.LOAD], [noise])
     close(run.displacement[0][0], modal(simulated), TOLERANCE[kind] + 5 * BETWEEN)
+
+
+def test_a_model_in_numpy_moves_as_the_compiled_one():
+    loads = [two_dofs.LOAD, two_dofs.PULL]
+    own = [total({"sine": {"frequency": 1.0}}), total({"step": {"begin": 1.0}})]
+    given = Signals(np.array(loads), lambda t: np.array([[u(t) for u in own]]))
+    found, true = (
+        model.motion(np.zeros((1, 4)), given, Watch(INSTANTS[:41])).displacement[0]
+        for model in (plain(), two_dofs.reduced())
+    )
+    np.testing.assert_allclose(found, true, atol=1e-12 * np.abs(true).max())
 
 
 def test_runs_that_diverge_or_leave_the_range_say_when():
