@@ -6,9 +6,11 @@ pre-stress included. Entries of K are known to eps, and so a frequency is to
     eps |phi|' |K| |phi| / (2 omega^2 phi' M phi)
 
 of itself: in slender bodies axial stiffness drowns the bending, as the fourth power of length over
-height (2e-8 for a cantilever of 50, 0.003 for one of 1000, 0.04 for one of 2000). The rest state of
-a body is solved once, and so are its modes, however many effects and steps need them: results are
-remembered for the last bodies.
+height (2e-8 for a cantilever of 50, 0.003 for one of 1000, 0.04 for one of 2000). The energy of the
+strains would tell the frequency without that loss (`tests/solvers/test_slender.py`), but the motion
+is that of K q, rounded: a body that loses too much is refused, as its steps would be as wrong as
+its modes. The rest state of a body is solved once, and so are its modes, however many effects and
+steps need them: results are remembered for the last bodies.
 """
 
 from __future__ import annotations
