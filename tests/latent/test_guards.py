@@ -3,6 +3,7 @@ everywhere.
 """
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from vibrom.latent.dissipative import (
     constrained_least_squares,
     fit_dissipative,
 )
+from vibrom.latent.dissipative_proof import bounds
 from vibrom.latent.extrapolation import continued, drawn_back
 from vibrom.latent.polynomial import exponents, monomials, slopes
 from vibrom.latent.polynomial_kernel import polynomial_kernel
@@ -147,8 +149,7 @@ FEEDING = {
 }
 
 
-@pytest.mark.parametrize("order", [3, 5, 7])
-@pytest.mark.parametrize("name", FEEDING)
+@pytest.mark.parametrize(("name", "order"), [*product(FEEDING, (3, 5, 7)), ("van der Pol", 9)])
 def test_a_dissipative_fit_is_damped_and_turns_everywhere(name, order):
     rom = learnt(FEEDING[name], dissipative=order)
     # In units of the range, to nine times its size; the points are none of those of the fit.
@@ -163,6 +164,24 @@ def test_a_dissipative_fit_is_damped_and_turns_everywhere(name, order):
     even, odd, radius = (forward + back) / 2, (forward - back) / 2, np.hypot(*z.T)
     assert (odd * z[:, 1] <= 0.0).all()
     assert (z[:, 0] * even - z[:, 1] ** 2 <= (SLACK - MARGIN) * radius**2).all()
+
+
+@pytest.mark.parametrize("order", [1, 3, 9])
+def test_the_bounds_of_a_fit_are_bounds_and_close_ones(order):
+    """Of any polynomials, on a grid of other points and beyond the range. Between the points of the
+    bound a ray's polynomial rises by less than (h/2)^2/2 of its second derivative, and the mean of
+    the bound's own points by 1/cos(pi n/2048) - 1 < 2e-4 of its half range.
+    """
+    powers = exponents(2, 1, order)
+    rows, limits = conditions(powers, 1001, 21)
+    half = len(rows) // 2
+    for _ in range(2):
+        fit = RNG.standard_normal(len(powers))
+        sampled = rows @ fit - limits
+        sampled[half:] -= MARGIN
+        size = np.abs(rows).max(axis=0) @ np.abs(fit)
+        for bound, part in zip(bounds(fit, powers), (sampled[:half], sampled[half:])):
+            assert part.max() - 1e-12 * size <= bound <= part.max() + 1e-3 * size
 
 
 def tops(run) -> list[np.ndarray]:

@@ -15,9 +15,9 @@ Both conditions are linear in the coefficients. They are imposed on rays of the 
 at radii up to one and for the slope at one; beyond, with the linear continuation of
 `extrapolation`, g along a ray is affine in the radius. Where a finer grid finds them broken, its
 points join, until it finds none (an exchange; Hettich and Kortanek, SIAM Review 35 (1993) 380).
-Between points h apart a condition rises by O(h^2), so it is imposed with SLACK. No bound proves
-that SLACK is more. Fits up to order 9 are looked at by a test on a grid of other points: all are
-damped there, and turn by more than MARGIN less SLACK, where more than zero is enough.
+Between points h apart a condition rises by O(h^2), so it is imposed with a slack, which doubles
+until `dissipative_proof` bounds both conditions over the whole plane: a fit that is not proven to
+be damped and to turn is an error.
 
 The least squares problem with them is Lawson and Hanson's LDP (Solving Least Squares Problems,
 chapter 23): with A = QR and y = Rx - Q'b, the smallest |y| with G y >= h comes from one
@@ -26,6 +26,7 @@ non-negative least squares.
 
 import numpy as np
 
+from vibrom.latent.dissipative_proof import bounds as proven
 from vibrom.latent.polynomial import exponents, least_squares, monomials
 from vibrom.models.training import MethodError, Unsupported
 
@@ -34,7 +35,7 @@ from vibrom.models.training import MethodError, Unsupported
 MARGIN = 0.05
 RAYS, RADII = 90, 12  # of a half ellipse; what is not mirrored by parity
 FINER, ROUNDS = 4, 20  # the grid that is looked at, and how often points of it join
-SLACK = 1e-4  # of z'^2 and of z^2 + z'^2, in units of the range
+SLACK = 1e-4  # the first one, of z'^2 and of z^2 + z'^2, in units of the range
 
 
 def fit_dissipative(
@@ -56,16 +57,19 @@ def fit_dissipative(
 
 
 def by_exchange(library: np.ndarray, target: np.ndarray, powers: np.ndarray) -> np.ndarray:
-    """The smallest |library x - target| under the conditions, on the finer grid too."""
-    rows, bounds = conditions(powers, RAYS, RADII)
+    """The smallest |library x - target| under the conditions, proven between their points."""
+    slack, (rows, bounds) = SLACK, conditions(powers, RAYS, RADII)
     finer, limits = conditions(powers, FINER * RAYS, FINER * RADII)
     for _ in range(ROUNDS):
-        found = constrained_least_squares(library, target, rows, bounds - SLACK)
-        broken = finer @ found > limits
-        if not broken.any():
+        found = constrained_least_squares(library, target, rows, bounds - slack)
+        broken = finer @ found > limits - 0.5 * slack
+        if broken.any():
+            rows = np.concatenate([rows, finer[broken]])
+            bounds = np.concatenate([bounds, limits[broken]])
+        elif max(proven(found, powers)) < 0.0:
             return found
-        rows = np.concatenate([rows, finer[broken]])
-        bounds = np.concatenate([bounds, limits[broken]])
+        else:
+            slack *= 2.0
     raise MethodError("the dissipative fit does not settle; choose another order for dissipative")
 
 
