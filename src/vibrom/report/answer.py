@@ -88,6 +88,10 @@ class Answer:
     cost: dict[str, tuple[float, float]]  # method -> seconds offline, speed-up; of the hardest case
     sentences: list[str] = field(default_factory=list)
 
+    def asked(self, case: str) -> list[Question]:
+        """The columns of a case: that of folds where the full order has some."""
+        return [one for one in self.questions if one is not FOLDS or folding(self, case)]
+
 
 def of(collection: Collection, scores: Scores) -> Answer:
     """Of this run."""

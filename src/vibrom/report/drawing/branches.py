@@ -60,13 +60,21 @@ def behind(panel, found: Curve | None) -> None:
     """
     if found is not None:
         line(panel, found, BEHIND, "full order")
-        panel.set_ylim(-0.03 * found.amplitude.max(), 1.3 * found.amplitude.max())
-        low, high = found.parameter.min(), found.parameter.max()
-        if len(found.folds):
-            first, last = found.parameter[found.folds].min(), found.parameter[found.folds].max()
-            low = max(low, first - AROUND * (last - first))
-            high = min(high, last + AROUND * (last - first))
-        panel.set_xlim(low, high)
+        sides = view(found)
+        panel.set(xlim=sides["x"], ylim=sides["y"])
+
+
+def view(found: Curve | None) -> dict[str, tuple[float, float]]:
+    """The range of both axes that shows the full order's folds; empty without a curve."""
+    if found is None:
+        return {}
+    low, high = found.parameter.min(), found.parameter.max()
+    if len(found.folds):
+        first, last = found.parameter[found.folds].min(), found.parameter[found.folds].max()
+        low = max(low, first - AROUND * (last - first))
+        high = min(high, last + AROUND * (last - first))
+    top = float(found.amplitude.max())
+    return {"x": (float(low), float(high)), "y": (-0.03 * top, 1.3 * top)}
 
 
 def line(panel, found: Curve, look: dict, words: str) -> None:
@@ -115,7 +123,8 @@ def switched(
             seed, answer = panels.drawn(collection, scores, scene, model, name)
             if (found := curve(answer)) is not None:
                 series += parts(model, None if model == FULL_ORDER else seed, found)
-        made.append(Panel(scene, *axes, series, switch="y"))
+        sides = view(curve(collection.find(scene, FULL_ORDER, name)))
+        made.append(Panel(scene, *axes, series, switch="y", view=sides))
     return made
 
 

@@ -35,6 +35,7 @@ def show(panel, collection, scene, model, seed) -> None:
 def plot(collection, scores) -> list[Panel]:
     """Largest displacement of the probe in a period of every periodic motion that was found, stable
     motions drawn through, unstable ones dotted; the pointer tells what is special about a motion.
-    Of each method the median seed.
+    Of each method the median seed. Shown at first is the neighbourhood of the full order's folds; a
+    double click shows all.
     """
     return branches.switched(collection, scores, "branches", branches.AXES)

@@ -34,6 +34,7 @@ def show(panel, collection, scene, model, seed) -> None:
 def plot(collection, scores) -> list[Panel]:
     """Largest displacement of the probe in a period of every periodic motion that was found at one
     frequency, against the forcing: stable motions drawn through, unstable ones dotted. Of each
-    method the median seed.
+    method the median seed. Shown at first is the neighbourhood of the full order's folds; a double
+    click shows all.
     """
     return branches.switched(collection, scores, "s_curve", branches.S_AXES)
