@@ -141,15 +141,20 @@ def test_scores_csv_is_what_the_artefacts_say(made, real):
     assert any(line.startswith("small,split,1,frc,completed,9,1,") for line in lines)
 
 
-def test_the_store_has_a_run_for_each_model(made, small):
+def test_the_store_has_a_run_for_each_model(made, small, real):
     import sqlite3
 
     with sqlite3.connect(made / "mlflow.db") as database:
         runs = {name for (name,) in database.execute("select name from runs")}
         tags = database.execute("select value from tags where key = 'artefacts'").fetchall()
         ended = database.execute("select value from tags where key = 'outcome.decay'").fetchall()
+        (balances,) = database.execute(
+            "select count(*) from metrics where key = 'balance/decay_percent'"
+        ).fetchone()
     assert {"summary", "small full_order", "large split seed_1"} <= runs
     assert "small modal_projection unseeded" in runs and ("training_diverged",) in ended
+    known = [row.value for row in Scores.of(real).rows if row[3:5] == ("balance", "decay_percent")]
+    assert balances == np.isfinite(known).sum() > 3
     homes = {Path(path).resolve() for (path,) in tags}
     assert (small.results / "large/split/seed_1").resolve() in homes
 

@@ -1,4 +1,6 @@
-"""How seeds become one number."""
+"""How seeds become one number, and what the numbers of a run are."""
+
+from itertools import product
 
 import numpy as np
 import pytest
@@ -65,3 +67,25 @@ def test_scores_are_those_of_the_artefacts(collection, scores):
 @pytest.mark.parametrize("worst", [True, False])
 def test_no_values_have_no_spread(worst):
     assert all(np.isnan(spread([], worst=worst)))
+
+
+def test_every_run_has_its_work_balance_as_a_score(collection, scores):
+    for run in ("train", "test", "forced", "frc"):
+        known = np.nanmax(collection.find("small", "full_order", run)["balance"].values)
+        (row,) = scores.of_experiment("small", "full_order", "balance", f"{run}_percent")
+        assert row.value == 100.0 * known > 0.0 and row.unit == "percent"
+    study = collection.find("small", "full_order", "trust")
+    assert {"split", "modal_projection"} <= set(study["model"].values)
+    for run, fit in product(("decay", "forced"), range(study.sizes["fit"])):
+        mine = study.isel(fit=fit)
+        seed = None if mine["model_seed"] < 0 else int(mine["model_seed"])
+        whose = ("small", mine["model"].item(), seed)
+        (row,) = (
+            row
+            for row in scores.of_experiment(*whose[:2], "balance", f"{run}_percent")
+            if row.seed == seed
+        )
+        value = float(mine[f"{run}_balance"])
+        assert np.array_equal(row.value, 100.0 * value, equal_nan=True)
+        broken = value > study.attrs["tolerance"]
+        assert (row.outcome == Tally(["unbalanced"])) == broken

@@ -22,7 +22,8 @@ def write(small, folder: Path) -> None:
     output.run(kind="figures", outputs=pictures[:2], **common)
     for path in pictures[2:]:  # what is in a picture is tested elsewhere
         Path(path).write_text("<svg/>")
-    predictions = [path for path in small.paths if Path(path).stem in small.settings.experiments]
+    scored = {*small.settings.experiments, "train", "test", "trust"}
+    predictions = [path for path in small.paths if Path(path).stem in scored]
     scores.run(predictions=predictions, scores=str(folder / "scores.csv"), provenance=PROVENANCE)
     captions = outputs.captions({"tables": TABLES, "figures": list(PLUGS)})
     for name in ("report.html", "again.html"):

@@ -7,7 +7,7 @@ include: "planning/results.smk"
 
 rule scores:
     input:
-        predictions=PREDICTIONS,
+        predictions=SCORED,
     output:
         scores="<results>/scores.csv",
     log:
@@ -67,7 +67,7 @@ rule tracking:
     params:
         step="tracking",
         artefacts=behind(
-            FITTED + PREDICTIONS + of_full_order(SCENES, ["structure", "train", "test"])
+            FITTED + SCORED + of_full_order(SCENES, ["structure"])
         ),
         provenance=code("tracking"),
     message:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.config import plugs
 from vibrom.report.collection import Collection, Key, outcome
@@ -22,6 +23,10 @@ from vibrom.report.collection import Collection, Key, outcome
 # Scores of the experiment run_times.
 OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 ONLINE = ("decay_s", "forced_s", "frc_s")
+
+BALANCE = "balance"  # under this name stand the work balances, each of a run:
+RUNS = ("train", "test", "forced", "frc")  # of the full order,
+MODEL_RUNS = ("decay", "forced")  # and of the models
 
 
 class Score(NamedTuple):
@@ -81,13 +86,20 @@ class Scores:
 
     @classmethod
     def of(cls, collection: Collection) -> Scores:
-        """Those that the artefacts of the experiments carry."""
-        experiments = set(plugs.names("experiments"))
+        """Those that the artefacts of the experiments carry, and the work balance of every run: of
+        the full order from its own, of the models from the study `trust`.
+        """
+        readers = (
+            (_scores, plugs.names("experiments")),
+            (_balance, RUNS),
+            (_balances, ("trust",)),
+        )
         return cls(
             score
+            for read, names in readers
             for key in collection.loaders
-            if key.name in experiments
-            for score in _scores(key, collection.find(key.scene, key.model, key.name, key.seed))
+            if key.name in names
+            for score in read(key, collection.find(key.scene, key.model, key.name, key.seed))
         )
 
     def of_experiment(
@@ -149,6 +161,33 @@ def _scores(key: Key, dataset: xr.Dataset) -> list[Score]:
         Score(*key, str(metric), float(value), str(unit), seconds, ended)
         for metric, value, unit in zip(*columns)
     ]
+
+
+def _balance(key: Key, dataset: xr.Dataset) -> list[Score]:
+    """The largest one of a full-order run; models keep none."""
+    if "balance" not in dataset:
+        return []
+    value = np.fmax.reduce(np.ravel(dataset["balance"].values), initial=np.nan)
+    ended = Tally(np.ravel(dataset["outcome"].values).astype(str))
+    return [_balance_of(key, key.name, value, float(dataset["seconds"]), ended)]
+
+
+def _balances(key: Key, study: xr.Dataset) -> list[Score]:
+    """Those of every fit of a scene."""
+    found = []
+    fits = [study[name].values.tolist() for name in ("model", "model_seed", "outcome")]
+    for run in MODEL_RUNS:
+        values = study[f"{run}_balance"].values if f"{run}_balance" in study else ()
+        for value, model, seed, ended in zip(values, *fits):
+            whose = key._replace(model=model, seed=None if seed == FITTED_ONCE else seed)
+            word = Outcome.UNBALANCED if value > study.attrs["tolerance"] else ended
+            found.append(_balance_of(whose, run, value, np.nan, Tally([word])))
+    return found
+
+
+def _balance_of(key: Key, run: str, value: float, seconds: float, ended: Tally) -> Score:
+    percent = 100.0 * float(value)
+    return Score(*key[:3], BALANCE, f"{run}_percent", percent, "percent", seconds, ended)
 
 
 def endings(

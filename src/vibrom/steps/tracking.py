@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from vibrom import tracking
-from vibrom.artefacts.outcome import worst
+from vibrom.artefacts.outcome import Tally, worst
 from vibrom.report.collection import FULL_ORDER, Collection, answered, outcome
-from vibrom.report.scores import OFFLINE, Score, Scores, offline
+from vibrom.report.scores import BALANCE, OFFLINE, Score, Scores, offline
 from vibrom.tracking import Data, TrackedRun
 from vibrom.tracking.stored_model import Parts
 
@@ -117,8 +117,9 @@ def _parts(collection: Collection, scene: str, method: str, seed: int | None) ->
 
 
 def _endings(rom: xr.Dataset, rows: list[Score]) -> list[str]:
-    """Of the fit and of all answers."""
-    return [outcome(rom), *(one for row in rows for one in row.outcome)]
+    """Of the fit and of all answers; whether a run is in balance has a tag of its own."""
+    answers = (row for row in rows if row.experiment != BALANCE)
+    return [outcome(rom), *(one for row in answers for one in row.outcome)]
 
 
 def _seconds(rows: list[Score]) -> float:
@@ -137,7 +138,14 @@ def _metrics(rows: list[Score]) -> dict[str, float]:
 
 
 def _outcomes(rows: list[Score]) -> dict[str, str]:
-    return {f"outcome.{row.experiment}": str(row.outcome) for row in rows}
+    tallies: dict[str, Tally] = {}
+    for row in rows:
+        # The scores of an experiment end alike; the runs of a balance each for itself.
+        if row.experiment == BALANCE:
+            tallies.setdefault(BALANCE, Tally()).update(row.outcome)
+        else:
+            tallies[row.experiment] = row.outcome
+    return {f"outcome.{name}": str(tally) for name, tally in tallies.items()}
 
 
 def _curves(losses: xr.Dataset | None) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -36,6 +36,9 @@ def predictions(scene):
 
 
 PREDICTIONS = [path for scene in SCENES for path in predictions(scene)]
+# Besides answers, what scores are read from: the work balance of the records and of the models.
+SCORED = PREDICTIONS + of_full_order(SCENES, RECORDED)
+SCORED += study_files("trust") if "trust" in STUDY_SCENES else []
 FITTED = of_models(SCENES, ("rom", "losses"))
 ARTEFACTS = [path for scene in SCENES for path in of_full_order([scene], full_order_names(scene))]
 ARTEFACTS += FITTED + PREDICTIONS

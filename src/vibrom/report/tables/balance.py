@@ -10,18 +10,13 @@ scene's ``record`` and experiments, ``studies.trust.tolerance``) are ``unbalance
 run did not last, or a force has no potential.
 """
 
-import numpy as np
-import xarray as xr
-
-from vibrom.artefacts.outcome import Outcome, Tally
-from vibrom.report.collection import FULL_ORDER, by_method
+from vibrom.artefacts.outcome import Tally
 from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS, Column
-from vibrom.report.scores import spread
+from vibrom.report.scores import BALANCE
 
 FAMILY = "models"
 PLACE = 95
 ALSO = ["trust"]  # of the models
-RUNS = ("train", "test", "forced", "frc")
 COLUMNS = (
     CASE,
     METHOD,
@@ -35,38 +30,12 @@ COLUMNS = (
 def build(collection, scores):
     """One row a case, model and run."""
     rows = []
-    for scene in collection.scenes:
-        for run in RUNS:
-            kept = collection.find(scene, FULL_ORDER, run)
-            if kept is not None and "balance" in kept:
-                value = largest(kept["balance"].values)
-                words = np.ravel(kept["outcome"].values).tolist()
-                rows.append(row(scene, FULL_ORDER, run, [value], words))
-        study = collection.find(scene, FULL_ORDER, "trust")
-        if study is not None and "decay_balance" in study:
-            rows += of_models(scene, study)
+    for scene, model in collection.models:
+        found = scores.of_experiment(scene, model, BALANCE)
+        for metric in dict.fromkeys(score.metric for score in found):
+            mine = [score for score in found if score.metric == metric]
+            columns = scores.spread(scene, model, BALANCE, metric).columns("balance_percent")
+            about = {"case": scene, "method": model, "run": metric.removesuffix("_percent")}
+            ended = Tally(word for score in mine for word in score.outcome.elements())
+            rows.append(about | {"seeds": len(mine)} | columns | {"outcome": ended})
     return rows
-
-
-def of_models(scene: str, study: xr.Dataset) -> list[dict]:
-    """The decay and the forced run of each method."""
-    rows = []
-    for method, chosen in by_method(study):
-        for run in ("decay", "forced"):
-            values, fits = chosen[f"{run}_balance"].values, chosen["outcome"].values
-            broken = values > study.attrs["tolerance"]
-            words = np.where(broken, Outcome.UNBALANCED, fits).tolist()
-            rows.append(row(scene, method, run, values, words))
-    return rows
-
-
-def row(scene: str, method: str, run: str, values, outcomes: list[str]) -> dict:
-    """`values` are fractions, one a seed."""
-    columns = spread(100.0 * np.asarray(values), worst=True).columns("balance_percent")
-    about = {"case": scene, "method": method, "run": run, "seeds": len(values)}
-    return about | columns | {"outcome": Tally(outcomes)}
-
-
-def largest(values: np.ndarray) -> float:
-    """NaN where there is none."""
-    return float(np.fmax.reduce(np.ravel(values), initial=np.nan))
