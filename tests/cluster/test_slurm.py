@@ -61,7 +61,8 @@ def cluster(slurm, tmp_path_factory):
     log, asked, killed = made.folder / "printed", set(), None
     began = time.monotonic()
     with log.open("w") as printed:
-        environment = os.environ | {"PYTHONPATH": str(made.folder / "src")}
+        known = [str(made.folder / "src"), os.environ.get("PYTHONPATH", "")]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, known))}
         run = subprocess.Popen(
             line, cwd=made.folder, env=environment, stdout=printed, stderr=printed
         )
