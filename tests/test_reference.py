@@ -89,7 +89,9 @@ def test_the_command_ends_with_what_differs(tmp_path):
     """The project's own reference against itself, unchanged and with one score changed."""
     table = pd.read_csv(OWN, keep_default_na=False, dtype=str)
     assert len(table) > 1000 and not table.duplicated(reference.KEY).any()
-    assert reference.compared(OWN, OWN)[1]
+    reference.keep(OWN, tmp_path / "kept.csv")
+    assert reference.compared(OWN, tmp_path / "kept.csv")[1]
+    assert len(pd.read_csv(tmp_path / "kept.csv")) == len(table)
     table.loc[0, "value"] = "-1e9"
     table.to_csv(tmp_path / "scores.csv", index=False)
     command = [sys.executable, "-m", "vibrom", "compare", str(tmp_path / "scores.csv")]

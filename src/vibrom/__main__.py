@@ -48,13 +48,15 @@ def record(files: list[Path], out: Path, step: float | None) -> str:
     return start.written(files, out, step)
 
 
-def compare(scores: Path, reference: Path) -> str:
+def compare(scores: Path, reference: Path, keep: bool) -> str:
     """How many of the reference's scores a run has within their tolerances, and which not; ends
     with 1 where there are some.
     """
-    from vibrom.report.reference import compared
+    from vibrom.report import reference as known
 
-    words, same = compared(scores, reference)
+    if keep:
+        return known.keep(scores, reference)
+    words, same = known.compared(scores, reference)
     if not same:
         print(words)
         sys.exit(1)
@@ -79,6 +81,8 @@ def main() -> None:
     comparing = commands.add_parser("compare", help=about, description=compare.__doc__)
     comparing.add_argument("scores", type=Path, help="results/scores.csv")
     comparing.add_argument("--reference", type=Path, default="config/reference_scores.csv")
+    about = "make them the reference instead"
+    comparing.add_argument("--keep", action="store_true", help=about)
     given = parser.parse_args()
     if given.command is None:
         print(report())
@@ -87,7 +91,7 @@ def main() -> None:
         if given.command == "record":
             print(record(given.files, given.out, given.step))
         elif given.command == "compare":
-            print(compare(given.scores, given.reference))
+            print(compare(given.scores, given.reference, given.keep))
         else:
             print(check(given.folder, given.overlays))
     except (ConfigError, DataError) as error:

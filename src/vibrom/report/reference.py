@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from vibrom.artefacts.files import DataError
+from vibrom.artefacts.files import DataError, write
 from vibrom.config.places import UNSEEDED
 
 KEY = ["scene", "method", "seed", "experiment", "metric", "unit"]
@@ -73,6 +73,13 @@ def differences(fresh: pd.DataFrame, reference: pd.DataFrame) -> Iterator[Differ
             yield Difference(name, f"{one:.6g}, the reference {other:.6g} {unit} ({allowed})")
     for key in fresh.index.difference(reference.index):
         yield Difference(f"{key[0]}, {key[1]}, {key[2]}: {key[3]} {key[4]}", "is new")
+
+
+def keep(fresh: str | Path, reference: str | Path) -> str:
+    """Makes a run's scores the reference."""
+    table = read(fresh).reset_index()[[*KEY[:5], "value", "unit", "outcome"]]
+    write(reference, table.to_csv(index=False, float_format="%.7g"))
+    return f"{reference} has the {len(table)} scores of {fresh} now."
 
 
 def compared(fresh: str | Path, reference: str | Path) -> tuple[str, bool]:
