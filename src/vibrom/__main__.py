@@ -41,11 +41,17 @@ def check(folder: Path, overlays: list[Path]) -> str:
     return "\n".join(["The configuration is fine.", *lines, f"{'results':12} {asked.results}"])
 
 
-def record(files: list[Path], out: Path, step: float | None) -> str:
+def record(
+    files: list[Path],
+    out: Path,
+    step: float | None,
+    forced: tuple[Path, ...],
+    signal: str | None,
+) -> str:
     """Writes the file of a scene of recorded motion, with comments, and says what was found."""
     from vibrom.recordings import start
 
-    return start.written(files, out, step)
+    return start.written(files, out, step, forced, signal)
 
 
 def compare(scores: Path, reference: Path, keep: bool) -> str:
@@ -77,6 +83,9 @@ def main() -> None:
     recording.add_argument("files", nargs="+", type=Path, help="text, NumPy, MATLAB or netCDF")
     recording.add_argument("--out", required=True, type=Path, help="config/scenes/NAME.yaml")
     recording.add_argument("--step", type=float, help="time between samples without instants")
+    about = "motions under a signal, beside the decays"
+    recording.add_argument("--forced", nargs="+", default=[], type=Path, help=about)
+    recording.add_argument("--signal", help="the column or array in them that drove them")
     about = "are a run's scores those of the project's own run?"
     comparing = commands.add_parser("compare", help=about, description=compare.__doc__)
     comparing.add_argument("scores", type=Path, help="results/scores.csv")
@@ -89,7 +98,7 @@ def main() -> None:
         return
     try:
         if given.command == "record":
-            print(record(given.files, given.out, given.step))
+            print(record(given.files, given.out, given.step, tuple(given.forced), given.signal))
         elif given.command == "compare":
             print(compare(given.scores, given.reference, given.keep))
         else:

@@ -98,6 +98,23 @@ def test_samples_without_instants_have_the_step_that_is_said(here, monkeypatch, 
     assert "first frequency 5.0" in capsys.readouterr().out
 
 
+def test_a_motion_under_a_signal_is_predicted(here, monkeypatch):
+    for name, start in (("a.csv", 1.0), ("b.csv", 0.8)):
+        csv(here / name, start)
+    shaken = 1e3 * TIME, 1e3 * Oscillator().motion(TIME, 0.1), np.sin(20.0 * TIME)
+    header = "time [ms],tip [mm],base [m/s2]"
+    np.savetxt("c.csv", np.transpose(shaken), delimiter=",", header=header, comments="")
+    arguments = "a.csv", "b.csv", "--forced", "c.csv", "--out", "config/scenes/mine.yaml"
+    with pytest.raises(SystemExit, match="give --forced FILE and --signal NAME together"):
+        record(monkeypatch, *arguments)
+    record(monkeypatch, *arguments, "--signal", "base [m/s2]")
+    made = scene(here)
+    assert [item.role for item in made.recordings] == ["train", "test", "forced"]
+    assert made.recordings[2].signal == "base [m/s2]"
+    assert made.recordings[2].channels == ("tip [mm]",)
+    assert "measured_forcing" in made.experiments
+
+
 def test_units_and_dates_of_netcdf_are_taken_from_its_attributes(here, monkeypatch):
     for name, start in (("a.nc", 1.0), ("b.nc", 0.8)):
         x = "time", 1e3 * Oscillator().motion(TIME, start), {"units": "mm"}

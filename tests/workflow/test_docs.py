@@ -31,7 +31,7 @@ FILE = re.compile(r"`([\w./]+\.(?:py|yaml))`:\n\n```\w+\n(.*?)```", re.DOTALL)
 OVERLAY = """
 scenes: [folding, sprung, ruler]
 methods: [ssmlearn, ssmlearn_7, one_mode]
-experiments: [reconstruction, decay, frc, work, measured_response]
+experiments: [reconstruction, decay, frc, work, measured_response, measured_forcing]
 studies:
   cost: null
   robustness: null
@@ -87,7 +87,7 @@ def measure(folder):
     """The scene of measured motion: its files, and what `vibrom record` makes of them."""
     for name, text in FILE.findall(PAGES["measurement"]):
         (folder / name).write_text(text)
-    for line in BLOCK.findall(PAGES["measurement"])[0].splitlines():
+    for line in BLOCK.findall(PAGES["measurement"])[0].replace("\\\n", " ").splitlines():
         program, *words = line.split()
         start = [sys.executable, *([] if program == "python" else ["-m", program])]
         environment = os.environ | {"PYTHONPATH": str(folder / "src")}
@@ -151,7 +151,9 @@ def test_the_measured_scene_is_predicted_and_what_needs_a_body_is_skipped(follow
     error = curve.loc[("ruler", "ssmlearn"), "amplitude_error_median_percent"]
     assert float(error) < 3.0  # the averaged equation of the script is as good as that
     assert "folding" not in curve.index
-    for name in ("slow_motion", "measured_response"):
+    driven = table(followed, "measured_forcing").set_index(["case", "method"])
+    assert float(driven.loc[("ruler", "ssmlearn"), "nmte_percent"]) < 4.0
+    for name in ("slow_motion", "measured_response", "measured_forcing"):
         assert (followed / f"results/figures/{name}_ruler.svg").stat().st_size > 1000
         assert not (followed / f"results/figures/{name}_folding.svg").exists()
 

@@ -57,6 +57,8 @@ def test_it_takes_part_in_what_it_can_answer(scene):
         ("kind: recorded", "kind: measured", "kind = 'measured' is no kind of scene; choose from"),
         ("decay.csv, role: train", "dekay.csv, role: train", "recordings[0].file = 'dekay.csv' is"),
         ("role: train", "role: trial", "recordings[0].role = 'trial' is not known"),
+        ("recordings:", "recordings:\n  - {file: decay.csv, role: forced}", "needs the `signal`"),
+        ("role: train", "role: train, signal: u", "is left alone; remove it"),
         ("role: train", "role: test", "has no recording with the role train"),
         ("description:", "body: {}\ndescription:", "is no setting; choose from kind, name"),
         ("kind: recorded", "kind: recorded\ntime_unit: h", "time_unit = 'h' is not known"),

@@ -85,6 +85,12 @@ def _recorded(layers: Layers, own: dict[str, Any], name: str) -> RecordedScene:
         if role not in roles:
             cure = f"has no recording with the role {role}; give one, or split one by begin and end"
             layers.refuse(("recordings",), None, cure)
+    for place, item in enumerate(plain["recordings"]):
+        under, signal = item["role"] in recorded.UNDER_A_SIGNAL, item.get("signal")
+        if under != bool(signal):
+            cure = f"a recording with the role {item['role']} "
+            cure += "needs the `signal` that drove it" if under else "is left alone; remove it"
+            layers.refuse(("recordings", place, "signal"), signal, cure)
     made = _experiments(layers, set())
     # What reads the answer to another one goes without where that is not asked.
     plain["experiments"] = {key: made[key] for key in made if needed([key], ()) <= set(made)}

@@ -11,11 +11,15 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta
 
 from vibrom.config.kinds import Count, Name, NonNegative, Positive, Whole
-from vibrom.config.scene import Block, Role
+from vibrom.config.scene import Block
 
 KIND = "recorded"  # the key `kind` of such a scene
 # Keys of scenes with a body, which may be laid over all scenes of a run.
 OF_BODIES = ("body", "effects", "releases", "record", "time")
+# train and test: decays. forced: a motion under a signal that was recorded too, which models
+# predict. calibration: another such motion, which tells how strong the load is.
+Role = Literal["train", "test", "forced", "calibration"]
+UNDER_A_SIGNAL = ("forced", "calibration")
 TimeUnit = Literal["s", "ms", "us", "min"]
 LengthUnit = Literal["m", "cm", "mm", "um", "in"]
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
@@ -23,8 +27,8 @@ METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 
 
 class Recording(Block, frozen=True):
-    """One decaying motion in a file. Data are named as the file has them: a column or variable,
-    `xData{1,2}` an entry of a cell, `a.b` a field.
+    """One motion in a file: a decay, or one under a signal. Data are named as the file has them: a
+    column or variable, `xData{1,2}` an entry of a cell, `a.b` a field.
     """
 
     file: str  # .csv, .tsv, .txt, .dat, .npy, .npz, .mat or .nc, seen from where the run is started
@@ -33,6 +37,7 @@ class Recording(Block, frozen=True):
     time: str | None = None
     # the displacements; none: all that the file holds beside the instants
     channels: tuple[str, ...] = ()
+    signal: str | None = None  # what drove it, of the roles forced and calibration
     step: Positive | None = None  # in time units, between samples of a file without instants
     begin: float | None = None  # in time units, of the part that is used
     end: float | None = None  # in time units, of the part that is used
@@ -58,10 +63,11 @@ class Response(Block, frozen=True):
 
 
 class Forcing(Block, frozen=True):
-    """What drives the body: a known load, or one whose strength a measured response tells."""
+    """What drives the body: a known load, or one whose strength a measurement tells."""
 
     # of each channel, per unit of the signal: N where operators are known, else the acceleration
-    # that it gives the channel, m/s2; none: all channels alike, the strength from `response`
+    # that it gives the channel, m/s2; none: all channels alike, the strength from a recording with
+    # the role calibration, or from `response`
     load: tuple[float, ...] | None = None
     response: Response | None = None  # a measured response curve, which models are compared with
     # number of the response's point that tells the strength, as the file counts them from one; 0:

@@ -1,10 +1,14 @@
-"""How strong an unknown load is, from one measured response.
+"""How strong an unknown load is, from one measured response or from a motion under a known signal.
 
     dz/dt = drift(z) + s force_map(z, p) sin(Omega t),    z periodic,    half range of y = A
 
 y is the displacement at a probe, A its measured amplitude. The strength s and the Fourier
 coefficients of z are found together by collocation at equal instants of a period; the first guess
-is one harmonic. Known from one response, s holds for all frequencies. Source: Cenedese, Axas,
+is one harmonic. Of a motion z(t) that was recorded with its signals u_k(t), least squares have
+
+    s = sum_t g'(dz/dt - drift(z)) / sum_t g'g,    g = sum_k force_map(z, p_k) u_k(t)
+
+Known from one response or motion, s holds for all frequencies. Source: Cenedese, Axas,
 Bauerlein, Avila, Haller, Nature Communications 13 (2022) 872.
 """
 
@@ -15,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from vibrom.models.recorded import FIRST, differences
 from vibrom.models.rom import Rom
 from vibrom.models.training import Unsupported
 
@@ -33,10 +38,8 @@ class Calibration:
     dof: int  # displacement that was measured
 
     @classmethod
-    def of_scene(cls, known: xr.Dataset) -> Calibration | None:
-        """What the structure says; None where the load is known, or nothing is."""
-        if "calibration_point" not in known:
-            return None
+    def of_scene(cls, known: xr.Dataset) -> Calibration:
+        """The point that the structure names."""
         at = int(known["calibration_point"])
         frequency, amplitude = (
             float(known[f"response_{name}"].values[at]) for name in ("frequency", "amplitude")
@@ -101,6 +104,49 @@ class Calibration:
         if push == 0.0:
             raise Unsupported("the load does not move the first coordinate of this model")
         return harmonic(angle - np.arctan2(even, odd)), float(np.hypot(even, odd)) / push
+
+
+@dataclass(frozen=True)
+class Signalled:
+    """Motions under recorded signals."""
+
+    time: np.ndarray  # (m,) s
+    part: np.ndarray  # (m,) number of the recording
+    state: np.ndarray  # (m, 2n) m, m/s
+    signal: np.ndarray  # (m, k)
+    loads: np.ndarray  # (k, n) per unit of each signal
+
+    @classmethod
+    def of_scene(cls, known: xr.Dataset) -> Signalled:
+        """Those recordings that the structure says calibrate."""
+        own = known.isel(signal_sample=known["signal_calibrates"].values == 1)
+        state = [own[f"signal_{name}"].values for name in ("displacement", "velocity")]
+        time, part, signal, loads = (
+            own[f"signal_{name}"].values for name in ("time", "part", "value", "load")
+        )
+        return cls(time, part, np.concatenate(state, axis=1), signal, loads)
+
+    def strength(self, rom: Rom, load: np.ndarray) -> float:
+        """s, in units of the loads; Unsupported where they do not move this model."""
+        d, above, below = len(rom.reach) // 2, 0.0, 0.0
+        for number in np.unique(self.part):
+            own = self.part == number
+            z, step = rom.encode(self.state[own]), float(np.diff(self.time[own][:2])[0])
+            rate, inner = differences(z, step)[0], slice(len(FIRST) // 2, -(len(FIRST) // 2))
+            z, signal = z[inner], self.signal[own][inner]
+            push = sum(rom.force_map(z, p) * u[:, None] for p, u in zip(self.loads, signal.T))
+            left, push = ((part / rom.reach)[:, d:] for part in (rate - rom.drift(z), push))
+            above, below = above + float((push * left).sum()), below + float((push**2).sum())
+        if below == 0.0:
+            raise Unsupported("the load does not move the coordinates of this model")
+        return above / below
+
+
+def calibration(known: xr.Dataset) -> Calibration | Signalled | None:
+    """What the structure says; None where the load is known, or nothing is."""
+    if "signal_calibrates" in known and known["signal_calibrates"].values.any():
+        return Signalled.of_scene(known)
+    return Calibration.of_scene(known) if "calibration_point" in known else None
 
 
 def _angles() -> np.ndarray:

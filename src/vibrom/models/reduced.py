@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from vibrom.models.calibration import Calibration
+from vibrom.models.calibration import Calibration, Signalled, calibration
 from vibrom.models.model import Drive, Motion, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
@@ -36,23 +36,28 @@ class Reduced:
     integrator: Integrator
     # Of a period: a maximum between two instants is missed by at most (pi/500)^2/2 = 2e-5 of it.
     samples: int = 500
-    calibration: Calibration | None = None  # of the load's strength; None: it is known
+    calibration: Calibration | Signalled | None = None  # of the load's strength; None: it is known
 
     @classmethod
     def of_scene(cls, rom: Rom, known: xr.Dataset, integrator: Integrator) -> Reduced:
         """A fitted model in the scene of this structure."""
         load, probes = known["load"].values, known["probe_dof"].values
-        first, calibration = damped_frequency(known), Calibration.of_scene(known)
-        return cls(rom, load, probes, first, integrator, calibration=calibration)
+        first, strength = damped_frequency(known), calibration(known)
+        return cls(rom, load, probes, first, integrator, calibration=strength)
 
     @cached_property
     def known_load(self) -> np.ndarray:
         """The load, calibrated where its strength is not known; Unsupported where nothing is."""
+        return self.load * self.strength
+
+    @cached_property
+    def strength(self) -> float:
+        """Of the load, calibrated where it is not known; Unsupported where nothing is."""
         if np.isnan(self.load).any():
             raise Unsupported("the load of this scene is not known; say what drives it (`forcing`)")
         if self.calibration is None:
-            return self.load
-        return self.load * self.calibration.strength(self.rom, self.load)
+            return 1.0
+        return self.calibration.strength(self.rom, self.load)
 
     @property
     def size(self) -> int:
@@ -105,7 +110,7 @@ class Reduced:
         """Under signals of any kind. Of what a load adds beside the reduced coordinates, the part
         that is in phase with it.
         """
-        began = time.perf_counter()
+        signals, began = replace(signals, load=self.strength * signals.load), time.perf_counter()
         watched = np.unique(np.concatenate([[0.0], *(watch.instants for watch in watches)]))
         # Near instants of several watches are one.
         watched = watched[np.diff(watched, prepend=-1.0) > CLOSE * watched[-1]]

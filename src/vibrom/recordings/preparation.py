@@ -53,6 +53,8 @@ class Decays:
     delays: int  # 2 K + 1 of each channel
     lag: float  # l, s
     frequency: float  # Hz, first line
+    step: float  # s, between samples
+    kept: int  # multiples of the first frequency, that the filter keeps
     chosen: dict[str, float | str] = field(default_factory=dict)  # what the rules found
 
     @property
@@ -76,8 +78,7 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     """
     frequency = common_frequency(recordings, settings.frequency)
     step = float(np.median([item.step for item in recordings]))
-    even = [equidistant(item, 1.0 / frequency, settings.longest_gap, step) for item in recordings]
-    even = [thinned(item, frequency, settings) for item in even]
+    even = [evenly(item, frequency, step, settings) for item in recordings]
     even = [at_rest(item, frequency, settings.rest) for item in even]
     for item in even:
         check_decays(item)
@@ -86,9 +87,9 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     delays = delays or settings.delays or delays_of(even[0].values.shape[1])
     if delays % 2 == 0:
         raise DataError(f"preparation.delays = {delays} is even; give an odd number")
-    step = even[0].step
-    apart = round((settings.lag or WINDOW / max(delays - 1, 1)) / (frequency * step))
-    lag = max(1, apart) * step if delays > 1 else 0.0
+    own = even[0].step
+    apart = round((settings.lag or WINDOW / max(delays - 1, 1)) / (frequency * own))
+    lag = max(1, apart) * own if delays > 1 else 0.0
     chosen: dict[str, float | str] = {
         "first_frequency_hz": frequency,
         "filter": settings.filter,
@@ -99,8 +100,15 @@ def prepare(recordings: list[Samples], settings: Preparation, delays: int = 0) -
     for item in even:
         one, setting = motion_of(item, frequency, settings, kept)
         chosen |= setting
-        made.append(delayed(one, delays // 2, round(lag / step)))
-    return Decays(tuple(made), recordings[0].names, delays, lag, frequency, chosen)
+        made.append(delayed(one, delays // 2, round(lag / own)))
+    names = recordings[0].names
+    return Decays(tuple(made), names, delays, lag, frequency, step, kept, chosen)
+
+
+def evenly(samples: Samples, frequency: float, step: float, settings: Preparation) -> Samples:
+    """At equal steps, `step` [s] before samples are left out, without gaps."""
+    even = equidistant(samples, 1.0 / frequency, settings.longest_gap, step)
+    return thinned(even, frequency, settings)
 
 
 def delays_of(channels: int) -> int:
@@ -163,20 +171,24 @@ def motion_of(
 
 def delayed(one: Prepared, pairs: int, lag: int) -> Prepared:
     """All q_k, the delays being `lag` samples apart."""
-    motion, middle = one.motion, pairs * lag
-    length = len(motion.time) - 2 * middle
+    motion = one.motion
+    parts = [
+        means(part, pairs, lag, one.where)
+        for part in (motion.displacement, motion.velocity, motion.acceleration)
+    ]
+    time = motion.time[pairs * lag :][: len(parts[0])]
+    return replace(one, motion=Trajectory(time, *parts))
+
+
+def means(x: np.ndarray, pairs: int, lag: int, where: str) -> np.ndarray:
+    """(m - 2 pairs lag, c (pairs + 1)) of x (m, c): q_k of each column, column after column."""
+    middle = pairs * lag
+    length = len(x) - 2 * middle
     if length < 2:
-        raise DataError(f"{one.where}: too short for its delays; lower preparation.delays")
+        raise DataError(f"{where}: too short for its delays; lower preparation.delays")
 
-    def means(x: np.ndarray) -> np.ndarray:
-        def at(shift: int) -> np.ndarray:
-            return x[middle + shift * lag :][:length]
+    def at(shift: int) -> np.ndarray:
+        return x[middle + shift * lag :][:length]
 
-        copies = [0.5 * (at(k) + at(-k)) for k in range(pairs + 1)]
-        return np.stack(copies, axis=-1).reshape(length, -1)
-
-    embedded = Trajectory(
-        motion.time[middle : middle + length],
-        *(means(part) for part in (motion.displacement, motion.velocity, motion.acceleration)),
-    )
-    return replace(one, motion=embedded)
+    copies = [0.5 * (at(k) + at(-k)) for k in range(pairs + 1)]
+    return np.stack(copies, axis=-1).reshape(length, -1)

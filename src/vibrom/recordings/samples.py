@@ -32,7 +32,8 @@ class Samples:
     where: str  # file and role, for messages
     role: str
     time: np.ndarray  # (m,) s; instants of the recording, ascending
-    values: np.ndarray  # (m, c) m, NaN where a sample is missing
+    # (m, c) m, NaN where a sample is missing; last, the signal in its own unit where there is one
+    values: np.ndarray
     names: tuple[str, ...]  # of the channels
     notes: tuple[str, ...] = ()  # what was done to it
 
@@ -58,10 +59,10 @@ def load(scene: RecordedScene) -> list[Samples]:
     found = [loaded(item, scene) for item in scene.recordings]
     first = found[0]
     for other in found[1:]:
-        if other.values.shape[1] != first.values.shape[1]:
+        if len(other.names) != len(first.names):
             raise DataError(
-                f"{other.where}: {other.values.shape[1]} channels, but {first.where} has "
-                f"{first.values.shape[1]}; name the same `channels` for both"
+                f"{other.where}: {len(other.names)} channels, but {first.where} has "
+                f"{len(first.names)}; name the same `channels` for both"
             )
     if len(set(first.names)) == len(first.names):
         found = [reordered(item, first.names) for item in found]
@@ -79,6 +80,7 @@ def reordered(samples: Samples, names: tuple[str, ...]) -> Samples:
     if samples.names == names or set(samples.names) != set(names):
         return samples
     order = [samples.names.index(name) for name in names]
+    order += range(len(names), samples.values.shape[1])
     made = samples.noted("channels in the order of the first recording")
     return replace(made, names=names, values=samples.values[:, order])
 
@@ -87,16 +89,16 @@ def loaded(item: Recording, scene: RecordedScene) -> Samples:
     """One recording, sorted and cut, with gaps as they are."""
     where = f"{item.file} ({item.role})"
     arrays = files.read(item.file)
-    for name in (item.time, *item.channels):
+    for name in (item.time, *item.channels, item.signal):
         if name is not None:
             files.array(item.file, name)
-    if len(arrays) == 1 and not item.channels and item.time is None:
+    if len(arrays) == 1 and not item.channels and item.time is None and item.signal is None:
         arrays = split(next(iter(arrays.values())), item.step is not None)
     time_name = item.time or next((name for name in TIMES if name in arrays), None)
     if time_name is None and item.step is None and len(arrays) > 1:
         time_name = next(iter(arrays))
     time = None if time_name is None else np.ravel(arrays[time_name])
-    chosen = item.channels or [name for name in arrays if name != time_name]
+    chosen = item.channels or [name for name in arrays if name not in (time_name, item.signal)]
     parts, names = [], []
     for name in chosen:
         block = oriented(arrays[name], None if time is None else len(time), where, name)
@@ -109,6 +111,8 @@ def loaded(item: Recording, scene: RecordedScene) -> Samples:
         lengths = ", ".join(f"{name} {len(part)}" for name, part in zip(chosen, parts))
         raise DataError(f"{where}: channels of different lengths ({lengths}); name those to use")
     values = np.hstack(parts) * METRES[scene.length_unit]
+    if item.signal is not None:
+        values = np.column_stack([values, signal_of(arrays[item.signal], len(values), where)])
     values[np.isinf(values)] = np.nan
     if time is None:
         if item.step is None:
@@ -118,6 +122,13 @@ def loaded(item: Recording, scene: RecordedScene) -> Samples:
         time = item.step * np.arange(len(values))
     samples = Samples(where, item.role, time, values, tuple(clean(name) for name in names))
     return in_order(part_of(samples, item), SECONDS[scene.time_unit])
+
+
+def signal_of(values: np.ndarray, length: int, where: str) -> np.ndarray:
+    """(m,) in its own unit."""
+    if values.size != length:
+        raise DataError(f"{where}: {values.size} samples of the signal, but {length} of the motion")
+    return values.ravel()
 
 
 def split(array: np.ndarray, has_step: bool) -> dict[str, np.ndarray]:

@@ -12,14 +12,22 @@ import re
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from vibrom.artefacts.files import DataError, write
-from vibrom.config.recorded import METRES, SECONDS, RecordedScene, Recording
+from vibrom.config.recorded import (
+    METRES,
+    SECONDS,
+    UNDER_A_SIGNAL,
+    RecordedScene,
+    Recording,
+)
 from vibrom.recordings import files, samples
 
 TIMES = ("time", "t", "zeit", "seconds", "sec")  # names of instants, without their unit
 PAIR = re.compile(r"(.+)\{(\d+),1\}")  # x{1,1} instants, x{1,2} channels, x{2,1} instants, ...
 UNIT = re.compile(r"[\[(/]\s*(\w+)\s*[\])]?\s*$")  # time [ms], x (mm), x / mm
+FORCED = "measured_forcing: {}"
 TEXT = """\
 # Written by `vibrom record`; see docs/walks/measurement.md for what each key does.
 kind: recorded
@@ -30,7 +38,8 @@ time_unit: {time_unit}
 length_unit: {length_unit}
 
 # What is learnt from (train) and what predictions are compared with (test). `begin` and `end`, in
-# the unit of the file, use a part of a recording.
+# the unit of the file, use a part of a recording. A motion under a `signal` that was recorded too
+# is predicted (forced), or tells how strong the load is (calibration).
 recordings:
 {recordings}
 
@@ -43,30 +52,43 @@ preparation:
   # frequency: 10.0       # Hz, of the slow motion, where another line is higher
 
 # What drives the body, where that is known: `load`, one entry a channel. Where only a response was
-# measured, one of its points tells how strong the load is.
+# measured, one of its points tells how strong the load is, unless a recording does.
 # forcing:
 #   response: {{file: sweep.csv, frequency: omega, amplitude: amplitude, unit: rad/s}}
 
 experiments:
   backbone: {{half_periods: 8}}   # in a mean of frequency and damping
-  # measured_response: {{}}       # with a forcing
+  {forced:29} # with a recording under a signal
+  # measured_response: {{}}       # with a response
 """
 
 
-def written(paths: list[Path], out: Path, step: float | None = None) -> str:
+def written(
+    paths: list[Path],
+    out: Path,
+    step: float | None = None,
+    forced: tuple[Path, ...] = (),
+    signal: str | None = None,
+) -> str:
     """Writes the scene's file and says in a few lines what was found; `step`, in the unit of time,
-    is that between samples of files without instants. Raises DataError where the files cannot be
-    used, or the scene is there already.
+    is that between samples of files without instants. Files of `forced` hold motions under the
+    signal of this name. Raises DataError where the files cannot be used, or the scene is there
+    already.
     """
     if out.exists():
         raise DataError(f"{out}: is there already; choose another name or remove it")
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*\.yaml", out.name):
         raise DataError(f"{out}: the name of a scene has letters, digits, '_', '-' and '.yaml'")
     found = [entry for path in paths for entry in recordings_in(path, step)]
+    if bool(forced) != bool(signal):
+        raise DataError("give --forced FILE and --signal NAME together, the column that drove it")
     time_unit, length_unit = units(paths)
     scene = described(found, time_unit, length_unit)
+    under = [under_signal(entry, signal) for path in forced for entry in recordings_in(path, step)]
+    scene = replace(scene, recordings=(*scene.recordings, *under))
     loaded = samples.load(scene)
-    frequency = samples.common_frequency(loaded, None)
+    alone = [item for item in loaded if item.role not in UNDER_A_SIGNAL]
+    frequency = samples.common_frequency(alone, None)
     write(out, text(scene, paths))
     lines = [
         f"{out}: a scene of {len(loaded)} recordings, first frequency {frequency:.4g} Hz",
@@ -110,6 +132,12 @@ def recordings_in(path: Path, step: float | None = None) -> list[Recording]:
         if name != time and length in values.shape and not rises(values)
     ]
     return [Recording(file=str(path), role="train", time=time, channels=tuple(channels), step=step)]
+
+
+def under_signal(entry: Recording, signal: str | None) -> Recording:
+    """The same as a motion under a signal."""
+    channels = tuple(name for name in entry.channels if name != signal)
+    return replace(entry, role="forced", channels=channels, signal=signal)
 
 
 def time_in(path: Path, arrays: files.Arrays) -> str:
@@ -167,7 +195,9 @@ def text(scene: RecordedScene, paths: list[Path]) -> str:
     """The file, with comments."""
     rows = []
     for item in scene.recordings:
-        entry = {key: value for key, value in item.to_builtins().items() if value not in ((), [])}
+        entry = {
+            key: value for key, value in item.to_builtins().items() if value not in ((), [], None)
+        }
         pairs = ", ".join(f"{key}: {json.dumps(value)}" for key, value in entry.items())
         rows.append(f"  - {{{pairs}}}")
     names = ", ".join(path.name for path in paths)
@@ -178,4 +208,5 @@ def text(scene: RecordedScene, paths: list[Path]) -> str:
         time_unit=scene.time_unit,
         length_unit=scene.length_unit,
         recordings="\n".join(rows),
+        forced=("" if any(item.signal for item in scene.recordings) else "# ") + FORCED,
     )

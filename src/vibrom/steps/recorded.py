@@ -17,15 +17,15 @@ from scipy.sparse import coo_matrix
 from vibrom.artefacts.data import label, outcome_variables, save_dataset, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
-from vibrom.config.recorded import METRES, Forcing, RecordedScene
+from vibrom.config.recorded import METRES, UNDER_A_SIGNAL, Forcing, RecordedScene
 from vibrom.recordings import samples
+from vibrom.recordings.forced import PAUSE, Forced, forced_variables, prepare_forced
 from vibrom.recordings.linear import linear_part
 from vibrom.recordings.operators import known
 from vibrom.recordings.preparation import Decays, Prepared, prepare
 from vibrom.recordings.response import point, response
 
 Variables = dict[str, xr.Variable]
-PAUSE = 10  # steps, between recordings that follow one another
 
 
 def run(
@@ -39,29 +39,37 @@ def run(
 ) -> None:
     """`files` are those that the scene names."""
     given, began = RecordedScene.from_builtins(scene), clock.perf_counter()
-    decays = prepare(samples.load(given), given.preparation, 1 if given.operators else 0)
+    under, alone = [], []
+    for item in samples.load(given):
+        (under if item.role in UNDER_A_SIGNAL else alone).append(item)
+    decays = prepare(alone, given.preparation, 1 if given.operators else 0)
+    forced = prepare_forced(under, decays, given.preparation)
     seconds = clock.perf_counter() - began
-    for item in decays.prepared:
+    for item in (*decays.prepared, *forced):
         print(f"{item.where}: {'; '.join(item.notes)}")
-    made = {structure: structure_of(given, decays)}
+    made = {structure: structure_of(given, decays, forced)}
     for role, path in (("train", train), ("test", test)):
         made[path] = record(given, decays, role, seconds)
     for path, dataset in made.items():
         save_dataset(dataset, path, provenance)
 
 
-def structure_of(scene: RecordedScene, decays: Decays) -> xr.Dataset:
-    """Linear part, probes and load."""
-    variables = linear_variables(scene, decays)
-    unit = "N" if scene.operators else "m s-2"
+def structure_of(scene: RecordedScene, decays: Decays, forced: tuple[Forced, ...]) -> xr.Dataset:
+    """Linear part, probes, load, and motions under a signal."""
+    variables, load = linear_variables(scene, decays), load_of(scene, decays, forced)
+    unit, in_phase = "N" if scene.operators else "m s-2", np.outer(load, decays.in_phase).ravel()
     variables |= {
-        "load": variable("dof", load_of(scene, decays), unit, "load per unit of the signal"),
+        "load": variable("dof", in_phase, unit, "load per unit of the signal"),
         "probe_dof": variable(
             "probe", decays.probes, "1", "free displacement that each probe watches"
         ),
     }
+    if forced:
+        variables |= forced_variables(forced, load, unit, len(decays.in_phase))
     if scene.forcing and scene.forcing.response:
-        variables |= response_of(scene.forcing, decays, METRES[scene.length_unit])
+        variables |= response_of(
+            scene.forcing, decays, METRES[scene.length_unit], any_calibrates(forced)
+        )
     coords = {
         "probe": probes(decays),
         "mode": variable(
@@ -116,15 +124,17 @@ def entries(matrix: np.ndarray, what: str, units: str) -> Variables:
     }
 
 
-def response_of(forcing: Forcing, decays: Decays, metres: float) -> Variables:
-    """The measured response curve, and its point that tells how strong an unknown load is."""
+def response_of(forcing: Forcing, decays: Decays, metres: float, calibrated: bool) -> Variables:
+    """The measured response curve, and its point that tells how strong a load is that is neither
+    known nor calibrated by a recording.
+    """
     frequency, amplitude, channel, numbers = response(forcing.response, decays.names, metres)
     variables = {
         "response_frequency": variable("response", frequency, "rad s-1", "frequency of the load"),
         "response_amplitude": variable("response", amplitude, "m", "measured amplitude"),
         "response_dof": variable((), decays.probes[channel], "1", "displacement of the amplitude"),
     }
-    if forcing.load is None:
+    if forcing.load is None and not calibrated:
         at = point(forcing.calibrate, amplitude, numbers, forcing.response.file)
         variables["calibration_point"] = variable(
             (), at, "1", "point that tells the strength of the load, from zero"
@@ -132,17 +142,25 @@ def response_of(forcing: Forcing, decays: Decays, metres: float) -> Variables:
     return variables
 
 
-def load_of(scene: RecordedScene, decays: Decays) -> np.ndarray:
-    """(n,) in phase with each channel's [N] where operators are known, else [m/s2]; NaN where
-    nothing is known of the load.
-    """
-    count = len(decays.names)
-    if scene.forcing is None:
-        return np.full(count * len(decays.in_phase), np.nan)
-    load = scene.forcing.load or (1.0,) * count
-    if len(load) != count:
-        raise samples.DataError(f"forcing.load has {len(load)} entries for {count} channels")
-    return np.outer(load, decays.in_phase).ravel()
+def any_calibrates(forced: tuple[Forced, ...]) -> bool:
+    """Does one of these recordings tell the strength of the load?"""
+    return any(item.role == "calibration" for item in forced)
+
+
+def load_of(scene: RecordedScene, decays: Decays, forced: tuple[Forced, ...]) -> np.ndarray:
+    """(c,) of the channels, per unit of the signal; NaN where nothing is known of the load."""
+    count, given = len(decays.names), scene.forcing.load if scene.forcing else None
+    calibrated = any_calibrates(forced)
+    if given is None:
+        return np.full(count, 1.0 if scene.forcing or calibrated else np.nan)
+    if calibrated:
+        raise samples.DataError(
+            "forcing.load is given, and a recording has the role calibration; remove the load, or "
+            "give the recording the role forced"
+        )
+    if len(given) != count:
+        raise samples.DataError(f"forcing.load has {len(given)} entries for {count} channels")
+    return np.array(given)
 
 
 def record(scene: RecordedScene, decays: Decays, role: str, seconds: float) -> xr.Dataset:
