@@ -40,6 +40,24 @@ def swing(frequency: np.ndarray) -> np.ndarray:
     return np.abs((MODES[:, 1] * (MODES @ LOAD) / compliance).sum(axis=1))
 
 
+def driven() -> dict[str, xr.Variable]:
+    """The steady motion under sin(Omega t), as one that was recorded with its signal."""
+    omega = DRIVEN[0]
+    time = 2 * np.pi / omega * np.arange(4 * SAMPLES + 1) / SAMPLES
+    turn = (MODES @ LOAD) / (SQUARES - omega**2 + 1j * DAMPING * omega)
+    q = np.exp(1j * omega * time[:, None]) * (turn @ MODES)  # its imaginary part
+    sample, zeros = "signal_sample", np.zeros(len(time))
+    return {
+        "signal_time": variable(sample, time, "s", "time"),
+        "signal_displacement": variable((sample, "dof"), q.imag, "m", "displacement"),
+        "signal_velocity": variable((sample, "dof"), (1j * omega * q).imag, "m s-1", "velocity"),
+        "signal_value": variable((sample, "delay"), np.sin(omega * time)[:, None], "1", "signal"),
+        "signal_part": variable(sample, zeros, "1", "number of the recording"),
+        "signal_calibrates": variable(sample, zeros, "1", "tells the strength"),
+        "signal_load": variable(("delay", "dof"), LOAD[None], "N", "load"),
+    }
+
+
 def structure() -> xr.Dataset:
     """What experiments and methods read of a scene's structure."""
     operators = {"mass": MASS, "damping": DAMPING * MASS, "stiffness": STIFFNESS}
@@ -60,6 +78,7 @@ def structure() -> xr.Dataset:
             "response_frequency": variable("response", DRIVEN, "rad s-1", "of a measured curve"),
             "response_amplitude": variable("response", swing(DRIVEN), "m", "measured amplitude"),
             "response_dof": variable((), 1, "1", "displacement of the amplitude"),
+            **driven(),
         },
         coords={"probe": variable("probe", np.array(["one", "two"], object), "1", "name")},
     )
