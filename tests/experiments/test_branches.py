@@ -60,6 +60,19 @@ def test_a_model_that_is_wrong_says_so(answers, branches, models):
     assert scores["bistable_width_error_percent"] == pytest.approx(-100.0)
 
 
+def test_harmonic_balance_gives_a_second_opinion_of_reduced_models(answers, branches, models):
+    """The full order's motions stay those of its own steps."""
+    asked = dataclasses.replace(branches, method="harmonic_balance", harmonics=9, resonances=0)
+    answer = asked.ask(models[1], two_dofs.given())
+    curve, shot = curve_of(answer), curve_of(answers[1])
+    places = [item.parameter[item.folds] for item in (curve, shot)]
+    np.testing.assert_allclose(*places, rtol=1e-7)
+    np.testing.assert_array_equal(answer["stable_motions"], answers[1]["stable_motions"])
+    assert int(answer["harmonics"]) == 9 and float(answer["missed"].max()) < 1e-5
+    brief = asked.brief().ask(models[0], two_dofs.given())
+    assert "missed" not in brief
+
+
 def test_two_stable_motions_are_counted_between_the_folds(answers):
     for answer in answers:
         curve = curve_of(answer)

@@ -12,6 +12,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.solvers.periodic.carried import swept
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_frequency
+from vibrom.solvers.periodic.harmonic_balance import HarmonicBalance
 from vibrom.solvers.periodic.resonance import backbone, damping_ratio
 from vibrom.solvers.periodic.response import Span, response
 from vibrom.solvers.periodic.stability import Kind
@@ -117,6 +118,16 @@ def test_an_isola_is_found_from_the_backbone():
         errors.append(np.abs(np.array([min(size), max(size)]) - edges).max())
         assert max(item.swing.displacement[0].max() for item in alone) < 0.5
     assert errors[1] < 0.01 and errors[0] / errors[1] == pytest.approx(2.0, abs=0.5)
+    # Harmonic balance finds it from the same guesses.
+    balance = HarmonicBalance(flow, 3)
+    near = from_backbone(flow, forcing, 100, 0.25)
+    near = [(balance.of_point(x, omega, forcing), omega) for x, omega in near]
+    balanced = response(in_frequency(balance, forcing), span, pace, near)
+    sizes = [
+        max(item.swing.displacement[0].max() for item in items if item.branch == 1)
+        for items in (found, balanced)
+    ]
+    assert sizes[1] == pytest.approx(sizes[0], rel=1e-4)
 
 
 def test_a_branch_is_found_from_a_sweep():

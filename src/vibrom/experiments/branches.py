@@ -8,6 +8,7 @@ Nonlinear Dynamics (1995), chapters 3, 6.
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -19,6 +20,8 @@ from vibrom.models.model import Model
 from vibrom.models.motions import errors, motions
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_frequency
+from vibrom.solvers.periodic.flow_map import FlowMap
+from vibrom.solvers.periodic.harmonic_balance import HarmonicBalance
 from vibrom.solvers.periodic.response import Near, Span
 from vibrom.solvers.periodic.starts import from_backbone, from_sweeps
 
@@ -37,6 +40,10 @@ class Branches(Experiment):
     resonances: Whole = 60  # points of the backbone that is asked for isolas, at most; 0: none
     sweeps: Whole = 0  # frequencies of sweeps up and down that are asked for isolas
     periods: Count = 60  # at each frequency of these sweeps
+    # how motions of reduced models are found; those of the full order are always shot, by its own
+    # steps
+    method: Literal["shooting", "harmonic_balance"] = "shooting"
+    harmonics: Count = 15  # the highest one that is balanced
 
     scores = {
         "folds": "1",
@@ -60,6 +67,9 @@ class Branches(Experiment):
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Every periodic motion that was found, one a row, branch after branch."""
         flow, scale, forcing = model.return_map(), model.frequency, float(self.forcing)
+        balanced = None
+        if self.method == "harmonic_balance" and isinstance(flow, FlowMap):
+            balanced = HarmonicBalance(flow, self.harmonics)
         span = Span(self.lowest * scale, self.highest * scale, self.points, self.minor * scale)
         grid = np.linspace(self.lowest, self.highest, self.frequencies) * scale
 
@@ -70,13 +80,16 @@ class Branches(Experiment):
             if self.sweeps:
                 frequency = np.linspace(span.lowest, span.highest, self.sweeps + 2)[1:-1]
                 found += from_sweeps(flow, forcing, frequency, self.periods, heard)
-            return found
+            if balanced is None:
+                return found
+            return [(balanced.of_point(x, omega, forcing), omega) for x, omega in found]
 
         most = self.points + self.resonances + 2 * self.sweeps
         with bar(f"{given.title}branches, at most {most} motions", most, "motions") as heard:
             scale = 0.1 * (span.highest - span.lowest)
             pace = Pace(scale, turn=self.turn, newton=flow.free, heard=heard)
-            return motions(in_frequency(flow, forcing), span, pace, grid, given.probe, near)
+            curve = in_frequency(balanced or flow, forcing)
+            return motions(curve, span, pace, grid, given.probe, near)
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds and peaks, and how far its branches are off."""

@@ -17,6 +17,7 @@ from vibrom.models.measures import periodic, response_variables
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import Along, prepare
+from vibrom.solvers.periodic.harmonic_balance import HarmonicBalance
 from vibrom.solvers.periodic.response import Found, Near, Span, response
 from vibrom.solvers.periodic.stability import Kind, leading_first
 
@@ -43,7 +44,7 @@ def motions(
     found = response(curve, span, pace, near())
     seconds = time.perf_counter() - began
     rows = _driven(curve, found) | _shown(found)
-    rows |= _stability(found, curve.flow.parts) | _endings(found)
+    rows |= _stability(found, curve.flow.parts) | _endings(found) | _balanced(curve, found)
     known = curve_of(xr.Dataset(rows))
     unit, varies = DRIVE[parameter(rows)]
     rows |= {
@@ -138,6 +139,19 @@ def _stability(found: list[Found], parts: int) -> dict[str, xr.Variable]:
             )
             for name, part in names.items()
         },
+    }
+
+
+def _balanced(curve: Along, found: list[Found]) -> dict[str, xr.Variable]:
+    """Of motions by harmonic balance: whether their harmonics are enough."""
+    if not isinstance(curve.flow, HarmonicBalance):
+        return {}
+    missed = [item.orbit.point.value.details.open for item in found]
+    return {
+        "harmonics": variable((), curve.flow.harmonics, "1", "highest harmonic that is balanced"),
+        "missed": variable(
+            "point", missed, "1", "how far a period in time ends from its start, over the range"
+        ),
     }
 
 

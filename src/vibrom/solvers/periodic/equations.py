@@ -15,7 +15,7 @@ import numpy as np
 
 from vibrom.solvers.periodic import continuation
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
-from vibrom.solvers.periodic.maps import Return, ReturnMap, Swing
+from vibrom.solvers.periodic.maps import Equation, Return, Swing
 
 SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, nearly linear
 MOST = 200  # points from rest to a start
@@ -25,7 +25,7 @@ MOST = 200  # points from rest to a start
 class Along:
     """The motions of a model along the frequency of its forcing or along the amplitude."""
 
-    flow: ReturnMap
+    flow: Equation
     frequency: float | None = None  # rad/s; None: it varies
     amplitude: float | None = None  # None: it varies
 
@@ -55,12 +55,12 @@ class Along:
         return ends if self.frequency is None else ends[:1]
 
 
-def in_frequency(flow: ReturnMap, amplitude: float) -> Along:
+def in_frequency(flow: Equation, amplitude: float) -> Along:
     """H(x, p, amplitude) - x."""
     return Along(flow, amplitude=amplitude)
 
 
-def in_amplitude(flow: ReturnMap, frequency: float) -> Along:
+def in_amplitude(flow: Equation, frequency: float) -> Along:
     """H(x, frequency, p) - x."""
     return Along(flow, frequency=frequency)
 
@@ -70,14 +70,14 @@ def _value(found: Return, x: np.ndarray, by_p: np.ndarray | None) -> Value:
     return Value(found.end - x, by_x, by_p, found.ok, found.rough, found)
 
 
-def prepare(flow: ReturnMap, frequency: float) -> None:
+def prepare(flow: Equation, frequency: float) -> None:
     """Loads and compiles what a map needs, at rest, so that later only computations take time."""
     flow(np.zeros(flow.size), frequency, 0.0)
     many = 9  # from nine states on, sixteen go side by side
     flow.swings(np.zeros((many, flow.size)), np.full(many, frequency), np.zeros(many))
 
 
-def from_rest(flow: ReturnMap, frequency: float, amplitude: float) -> np.ndarray:
+def from_rest(flow: Equation, frequency: float, amplitude: float) -> np.ndarray:
     """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
     problem = in_amplitude(flow, frequency)
     pace = Pace(0.5 * amplitude, first=0.2, largest=1.0, turn=0.5, newton=flow.free)

@@ -119,24 +119,33 @@ class FlowMap:
         return np.concatenate([0.0 * axes[:1], axes, -axes])
 
     def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
-        """The motions over a period from x (b, r), interpolated by their harmonics."""
+        """The motions over a period from x (b, r)."""
         _, path = self._periods(np.column_stack([x, frequency, amplitude]), KEPT)
+        return self.shown(path, amplitude)
+
+    def shown(self, path: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
+        """The motions of samples (b, KEPT, r) of a period in units of the range, interpolated by
+        their harmonics.
+        """
         ratio = np.abs(path).max(axis=(1, 2))
         z = (path * self.reach).reshape(-1, self.size)
         shown, added = self.displacement(z), self.beside(z)
         if added is not None:
             waves = _waves(KEPT)[:, None] * amplitude[:, None]
             shown = shown + np.einsum("wb,wbk->bk", waves.reshape(2, -1), added)
-        shown = shown.reshape(len(x), KEPT, -1).transpose(0, 2, 1)
+        shown = shown.reshape(len(path), KEPT, -1).transpose(0, 2, 1)
         finite = np.isfinite(shown).all(axis=(1, 2))
         fine = np.full((*shown.shape[:2], SHOWN), np.nan)
         fine[finite] = np.fft.irfft(np.fft.rfft(shown[finite]), SHOWN) * (SHOWN / KEPT)
         return [Swing(*both) for both in zip(fine, ratio.tolist())]
 
+    def path(self, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
+        """Samples (KEPT, r) of the period that begins at x (r,), in units of the range."""
+        return self._periods(np.array([[*x, frequency, amplitude]]), KEPT)[1][0]
+
     def states(self, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
         """Displacement and velocity (KEPT, 2n) over a period from x (r,), those of the manifold."""
-        _, path = self._periods(np.array([[*x, frequency, amplitude]]), KEPT)
-        return self.decode(path[0] * self.reach)
+        return self.decode(self.path(x, frequency, amplitude) * self.reach)
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
         """Where x (r,) is after so many periods; NaN where the motion does not last."""

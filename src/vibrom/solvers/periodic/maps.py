@@ -45,13 +45,8 @@ class Swing:
     range_ratio: float  # largest coordinate over the largest in training; NaN without a training
 
 
-class ReturnMap(Protocol):
-    """The map of one model under its load."""
-
-    @property
-    def frequency(self) -> float:
-        """A scale of Omega [rad/s]."""
-        ...
+class Equation(Protocol):
+    """What the periodic motions of one model under its load solve, H(x, Omega, amplitude) = x."""
 
     @property
     def size(self) -> int:
@@ -68,11 +63,6 @@ class ReturnMap(Protocol):
         """Does the derivative cost no more than the value?"""
         ...
 
-    @property
-    def load(self) -> np.ndarray:
-        """p (n,) [N] per unit of the amplitude."""
-        ...
-
     def __call__(
         self,
         x: np.ndarray,
@@ -81,9 +71,25 @@ class ReturnMap(Protocol):
         derivative: bool = True,
         phase: bool = False,
     ) -> Return:
-        """Where x (m,) is after a period, and, if they are wanted, the derivative, and what is in
-        phase.
-        """
+        """H of x (m,), and, if they are wanted, the derivative, and what is in phase."""
+        ...
+
+    def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
+        """The motions of points (b, m), each with its frequency (b,) and amplitude (b,)."""
+        ...
+
+
+class ReturnMap(Equation, Protocol):
+    """The map over a period."""
+
+    @property
+    def frequency(self) -> float:
+        """A scale of Omega [rad/s]."""
+        ...
+
+    @property
+    def load(self) -> np.ndarray:
+        """p (n,) [N] per unit of the amplitude."""
         ...
 
     def of_state(self, state: np.ndarray) -> np.ndarray:
@@ -92,10 +98,6 @@ class ReturnMap(Protocol):
 
     def state(self, x: np.ndarray) -> np.ndarray:
         """The state (2n,) [m, m/s] of a point x (m,)."""
-        ...
-
-    def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
-        """The motions of points (b, m), each with its frequency (b,) and amplitude (b,)."""
         ...
 
     def states(self, x: np.ndarray, frequency: float, amplitude: float) -> np.ndarray:
