@@ -93,3 +93,12 @@ def test_no_modes_without_inertia():
     made = space.build(body(cells=[2, 1]))
     with pytest.raises(SceneError, match="effects has no inertia"):
         eigenmodes(effects.assemble(made, {"elasticity": LINEAR["elasticity"]}), 1)
+
+
+@pytest.mark.parametrize("element", ["bilinear", "quadratic"])
+@pytest.mark.parametrize("more", [{}, {"gravity": {}}])
+def test_a_body_that_nothing_holds_is_one_line(element, more):
+    """Its three rigid motions are no vibrations, and no reduced model is made about them."""
+    made = space.build(body(element=element, cells=[4, 1], height=0.1, clamped=[]))
+    with pytest.raises(SceneError, match="nothing keeps it from moving as a whole"):
+        eigenmodes(effects.assemble(made, {**LINEAR, **more}), 3)

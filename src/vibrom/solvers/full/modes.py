@@ -30,6 +30,7 @@ from vibrom.term import SceneError, Term
 
 LOOKED_AT = 10  # modes among which flutter is looked for
 REMEMBERED = 8  # bodies
+LOOSE = 1e-10  # of the largest stiffness: the force that rounding leaves on a body that none holds
 LOST = 0.01  # of the first frequency: what rounding may take of it
 FEW = 24  # displacements, up to which all modes are found at once
 UNSOLVABLE = "the eigenmodes are beyond rounding"
@@ -73,6 +74,7 @@ def eigenmodes(term: Term, count: int) -> Modes:
         with np.errstate(all="ignore"):  # what is no number is refused below
             found = _eigenmodes(_Statics(term), count)
     except (ArpackError, LinAlgError, RuntimeError) as error:
+        _refuse_loose(term)
         raise SceneError(f"effects: {UNSOLVABLE} ({error}); {BALANCE}") from error
     if not all(np.isfinite(part).all() for part in found):
         raise SceneError(f"effects: {UNSOLVABLE} (overflow); {BALANCE}")
@@ -109,6 +111,19 @@ def _linearised(body: _Statics) -> Linearised:
     return Linearised(rest, stiffness)
 
 
+def _refuse_loose(term: Term) -> None:
+    """Raises SceneError where a motion of all points along an axis meets no force."""
+    if term.carried is None:
+        return
+    rigid = factor(term.mass.tocsc(), symmetric=True).solve(term.carried)
+    pull = np.abs(term.stiffness @ rigid).max(axis=0)
+    if (pull < LOOSE * abs(term.stiffness).max() * np.abs(rigid).max(axis=0)).any():
+        raise SceneError(
+            "body: nothing keeps it from moving as a whole, which is no vibration; name what is "
+            "clamped (body.clamped), or hold it by springs"
+        )
+
+
 @lru_cache(REMEMBERED)
 def _eigenmodes(body: _Statics, count: int) -> Modes:
     term, stiffness = body.term, _linearised(body).stiffness
@@ -118,6 +133,7 @@ def _eigenmodes(body: _Statics, count: int) -> Modes:
         squares, vectors, unstable = _non_symmetric(stiffness, term.mass, count)
     lost = _rounding(stiffness, term.mass, squares, vectors)
     if lost > LOST:
+        _refuse_loose(term)
         raise SceneError(
             f"body: rounding may change its first frequency by {lost:.2g} of itself (at most "
             f"{LOST:g} is let pass): it is too slender for its elements; take a thicker or shorter "
