@@ -1,5 +1,8 @@
 """The recorded test decay beside what it would be without errors of the time integration."""
 
+import os
+import tracemalloc
+
 import numpy as np
 import pytest
 import two_dofs
@@ -7,9 +10,11 @@ from beam import SCENE
 
 from vibrom.artefacts.data import open_dataset
 from vibrom.artefacts.stream import growing
+from vibrom.methods.modal_projection import ModalProjection
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import nmte_percent
-from vibrom.models.recorded import differences, trajectory
+from vibrom.models.recorded import differences, trajectories, trajectory
+from vibrom.models.training import Training
 from vibrom.solvers.full.newmark import Record as Kept
 from vibrom.steps import record
 
@@ -85,3 +90,35 @@ def test_storing_float32_halves_the_file_and_says_what_it_cost(beam, tmp_path):
         assert 0.0 < error <= 2.0**-24
         assert rounded[name].attrs["rounding"].endswith(f"to {float(error):.1e} of its largest")
         assert "rounding" not in whole[name].attrs
+
+
+def peak(call) -> int:
+    """Bytes that a call allocates at most, of what Python and numpy tell of."""
+    tracemalloc.start()
+    try:
+        call()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def test_neither_recording_nor_fitting_holds_the_decay(beam, tmp_path, monkeypatch):
+    """Blocks that are small beside 40 periods; all in memory would take the file's size, and
+    several times that where copies are made.
+    """
+    monkeypatch.setattr("vibrom.solvers.full.banded_steps.chunk", lambda n, width: 100)
+    for module in ("vibrom.models.samples", "vibrom.artefacts.identity"):
+        monkeypatch.setattr(f"{module}.BLOCK", 2**17)
+    known = {name: str(beam.folder / f"{name}.nc") for name in ("structure", "release")}
+    path, scene = str(tmp_path / "train.nc"), SCENE | {"record": {"periods": 40}}
+    given = known | {"trajectory": path, "scene": scene, "role": "train", "provenance": {}}
+    held = peak(lambda: record.run(**given))
+    size = os.stat(path).st_size
+    assert size > 6e6 and held < size / 3
+
+    def fit() -> None:
+        with open_dataset(path, "trajectory", lazy=True) as opened:
+            motion = trajectories(opened, lazy=True)
+            ModalProjection(order=1).learn(Training(motion, beam.structure))
+
+    assert peak(fit) < size / 3
