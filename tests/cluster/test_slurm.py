@@ -92,7 +92,7 @@ def test_a_killed_job_is_submitted_again_and_the_run_ends_well(cluster):
 
 def test_memory_comes_from_the_rules_and_small_jobs_go_together(cluster):
     made, printed, asked, _ = cluster
-    assert {int(re.match(r"\d+", memory)[0]) for memory in asked} <= {*range(1400, 1700)}
+    assert {int(re.match(r"\d+", memory)[0]) for memory in asked} <= {*range(700, 1700)}
     jobs = len(list((made.folder / "results/logs").rglob("*.log")))
     submitted = printed.count("has been submitted with SLURM jobid")
     assert 0 < submitted < 0.6 * jobs

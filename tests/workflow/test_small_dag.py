@@ -16,7 +16,7 @@ from rocrate.rocrate import ROCrate
 
 from vibrom.artefacts.data import KINDS, open_dataset
 from vibrom.config import plugs
-from vibrom.config.memory import PROGRAM
+from vibrom.config.memory import HELD
 from vibrom.report import outputs
 
 SEEDED = ("split", "split_plus")
@@ -134,11 +134,14 @@ def test_the_run_ends_with_the_headline(run):
 
 
 def test_no_job_takes_more_memory_than_its_rule_asks_for(run):
-    """Each asks for PROGRAM at least, and this scene is small."""
-    files = list((run.results / "benchmarks").rglob("*.tsv"))
-    peaks = {path: pd.read_csv(path, sep="\t")["max_rss"][0] for path in files}  # MiB
-    known = [float(peak) for peak in peaks.values() if str(peak) not in ("NA", "nan", "-")]
-    assert len(known) > 20 and 100.0 < 1.048576 * max(known) < PROGRAM
+    """This scene is small: what programs take."""
+    known = 0
+    for path in (run.results / "benchmarks").rglob("*.tsv"):
+        peak = pd.to_numeric(pd.read_csv(path, sep="\t")["max_rss"], errors="coerce")[0]  # MiB
+        kind = "full_order" if path.stem in ("structure", "release", "train", "test") else "fit"
+        assert np.isnan(peak) or 30.0 < 1.048576 * peak < HELD[kind][0], path
+        known += not np.isnan(peak)
+    assert known > 20
 
 
 def test_another_run_of_the_same_has_the_same_bytes_but_for_wall_times(run):
