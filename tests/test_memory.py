@@ -37,7 +37,7 @@ def test_memory_grows_with_the_body_where_it_is_held_and_with_samples_where_thes
     small, large = scene("folding"), scene("folding", cells=[1000, 30])
     ratio = size(large["body"])[0] / size(small["body"])[0]
     more = {kind: mem_mb(large, kind) - mem_mb(small, kind) for kind in HELD}
-    assert more["fit"] == 0 and 0 < more["full_order"] < more["equations"] < more["study"]
+    assert 0 < more["fit"] < more["full_order"] < more["equations"] < more["study"]
     # Which took 1.2 GB (benchmarks/memory.py).
     assert (
         1240 < mem_mb(scene("folding", cells=[500, 15], element="quadratic"), "full_order") < 2000

@@ -3,9 +3,9 @@
     mem = program + b n (PER_DISPLACEMENT + FACTOR (2 + across)) + a D,    D = 8 m n
 
 n displacements and m stored samples; `across` is what stands in a line across the body, about half
-the band of its matrices. A kind of job assembles the body b times, and holds a arrays of the size
-of all recorded displacements at a time: fits and full-order runs none, as they read and write these
-in blocks. These are bounds; what jobs took is held against them by tests/workflow/test_small_dag.py
+the band of its matrices. A kind of job holds what a body is made of b times, and a arrays of the
+size of all recorded displacements: fits and full-order runs none, as they read and write these in
+blocks. These are bounds; what jobs took is held against them by tests/workflow/test_small_dag.py
 and, for 60 000 displacements, by benchmarks/memory.py.
 """
 
@@ -24,11 +24,12 @@ FACTOR = 24 / MB  # MB, of a number in tangent, factor and what they are made fr
 BYTES_OF_NODE = 30  # in a mesh file, its elements included, at least
 OBSERVABLES = 5  # that a recorded channel makes, at most
 # Kind of job -> what Python, its packages (torch, where networks are), compiled code and blocks of
-# rows take [MB], b, a. Answers hold the recorded decay, the model's and what compares them; studies
-# those of several models; sinks read artefacts one by one.
+# rows take [MB], b, a. Fits have directions and coefficients of all displacements. Answers hold
+# the recorded decay, the model's and what compares them; studies those of several models; sinks
+# read artefacts one by one.
 HELD = {
     "full_order": (700, 1, 0),
-    "fit": (1400, 0, 0),
+    "fit": (1400, 0.5, 0),
     "equations": (1400, 2, 0),
     "answer": (1400, 0, 12),
     "full_order_answer": (1400, 1, 6),

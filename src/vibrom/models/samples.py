@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-BLOCK = 2**26  # bytes of the largest block
-SPARE = 100  # directions that are kept beside those that are wanted
+BLOCK = 2**25  # bytes of the largest block
+SPARE = 50  # directions that are kept beside those that are wanted
 
 
 @dataclass(frozen=True)
