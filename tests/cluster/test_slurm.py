@@ -57,7 +57,9 @@ def cluster(slurm, tmp_path_factory):
     """A run through Slurm, what it printed, the memory that jobs asked for, and who was killed."""
     made = Run(tmp_path_factory.mktemp("cluster"))
     line = [str(Path(sys.executable).with_name("snakemake")), "--workflow-profile"]
-    line += ["profiles/slurm", "--configfile", str(ROOT / "tests/workflow/small_dag.yaml")]
+    # A copy, as jobs read it long after the run began.
+    overlay = shutil.copy(ROOT / "tests/workflow/small_dag.yaml", made.folder)
+    line += ["profiles/slurm", "--configfile", str(overlay)]
     log, asked, killed = made.folder / "printed", set(), None
     began = time.monotonic()
     with log.open("w") as printed:
