@@ -67,13 +67,17 @@ def test_what_is_installed_is_said_by_one_command():
     assert "can be trained: no: install vibrom[train]" in answer.stdout
 
 
-def test_a_wheel_holds_every_file_of_the_package(tmp_path):
+def test_a_wheel_of_the_source_distribution_holds_every_file_of_the_package(tmp_path):
+    """As `python -m build` makes them, one of the other."""
     project = tmp_path / "project"  # a copy, as a build leaves files beside the sources
     shutil.copytree(ROOT / "src", project / "src", ignore=shutil.ignore_patterns("*.egg-info"))
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, project)
+    script = f"import setuptools.build_meta as made; made.build_sdist({str(tmp_path)!r})"
+    subprocess.run([sys.executable, "-c", script], cwd=project, check=True, capture_output=True)
+    sources = next(tmp_path.glob("*.tar.gz"))
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation"]
-    subprocess.run([*command, "-w", tmp_path, project], check=True, capture_output=True)
+    subprocess.run([*command, "-w", tmp_path, sources], check=True, capture_output=True)
     with zipfile.ZipFile(next(tmp_path.glob("*.whl"))) as wheel:
         inside = {name for name in wheel.namelist() if name.startswith("vibrom/")}
     source = ROOT / "src"
