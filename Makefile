@@ -5,6 +5,7 @@
 # make bench   environment, then every speed comparison
 # make reproduce   environment, then a fresh run's scores beside the project's own
 # make cluster     the small run through a Slurm of one node (as root, with Debian's slurm-wlm, munge)
+# make audit   environment, then the pinned packages against known weaknesses (needs PyPI itself)
 # make ui      compare the runs of results/ (or: make ui RESULTS=folder PORT=5050)
 PYTHON ?= python3
 CORES ?= 2
@@ -12,7 +13,7 @@ PORT ?= 5000
 RESULTS ?= results
 BIN := .venv/bin
 
-.PHONY: run env environment static check test test-workflow test-parts ui docs report lock bench reproduce cluster
+.PHONY: run env environment static check test test-workflow test-parts ui docs report lock bench reproduce cluster audit
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -78,6 +79,11 @@ lock: environment
 	echo snakemake-executor-plugin-slurm | $(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-header \
 	    --no-annotate --no-emit-index-url --upgrade -c envs/requirements.txt - -o envs/cluster.txt
 	@echo "Next: 'make test' makes the environment again and tries it."
+
+# The pinned packages against PyPI's list of known weaknesses. One that cannot be looked up is an error, too: a
+# mirror without that list would pass for a clean bill.
+audit: environment
+	$(BIN)/uv tool run pip-audit --strict --disable-pip --require-hashes -r envs/requirements.txt -r envs/uv.txt
 
 # How fast, against what: every comparison, results/benchmarks.csv and results/benchmarks.html.
 bench: environment

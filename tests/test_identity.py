@@ -168,3 +168,11 @@ def test_artefacts_of_versions_that_stored_other_things_are_refused(place, made_
     else:
         with pytest.raises(DataError, match="made by vibrom 0.1.0, .* from version 0.2 on"):
             open_dataset(place, "release")
+
+
+def test_damage_to_what_says_the_version_is_damage(place):
+    save_dataset(release(), place, PROVENANCE)
+    with netCDF4.Dataset(place, "a") as file:
+        file.versions = file.versions[:-1]  # no JSON any more
+    with pytest.raises(DataError, match="damaged, as its content is not what was written"):
+        open_dataset(place, "release")

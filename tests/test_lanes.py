@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import njit, types
+from numba.core.caching import CacheImpl
 from numba.core.errors import TypingError
 
-from vibrom.kernels.compiled import Rows, Vector, machine_type
+from vibrom.kernels.compiled import Rows, Vector, kernel, machine_type
 from vibrom.kernels.lanes import (
     WIDTH,
     cut,
@@ -294,3 +295,14 @@ def test_a_record_says_its_machine_type_and_a_kernel_on_disk_is_that_of_its_fiel
     )
     editions = {edition(use.py_func, types.void(kind)) for kind in (straight, turned)}
     assert len(editions) == 2
+
+
+def test_where_nothing_can_be_kept_on_disk_kernels_are_compiled_each_time(monkeypatch):
+    """As in a package that may only be read, of a user without a home."""
+    monkeypatch.setattr(CacheImpl, "_locator_classes", [])
+
+    @kernel(types.float64(types.float64))
+    def twice(x):
+        return 2.0 * x
+
+    assert twice(1.5) == 3.0

@@ -194,6 +194,13 @@ def test_the_ablation_needs_no_reduced_model(run):
     }
 
 
+def test_the_ablation_says_what_a_scene_needs_also_where_all_is_there(run):
+    answer = run.snakemake("--cores", "1", "ablation")
+    assert answer.returncode == 0
+    assert re.search(r"^within 5 % folding needs ", answer.stdout + answer.stderr, re.MULTILINE)
+    assert "ablation_scene" not in answer.stdout + answer.stderr
+
+
 def test_the_length_of_those_runs_remakes_them_and_what_shows_them(run):
     path = run.folder / "longer.yaml"
     path.write_text("studies: {ablation: {decay_periods: 3}}\n")

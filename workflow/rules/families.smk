@@ -40,7 +40,7 @@ for TARGET, PATHS in {
     **{
         FAMILY: files("tables", [FAMILY]) + files("figures", [FAMILY])
         for FAMILY in PRESENT
-        if FAMILY != "models"
+        if FAMILY not in ("models", "ablation")
     },
 }.items():
 
@@ -52,3 +52,26 @@ for TARGET, PATHS in {
         localrule: True
         message:
             f"{TARGET}: everything is there"
+
+
+if "ablation" in PRESENT:
+
+    rule:
+        # It has no output: who asks for it is told what the study found, also where all is there.
+        name:
+            "ablation"
+        input:
+            artefacts=of_study("ablation"),
+            shown=files("tables", ["ablation"]) + files("figures", ["ablation"]),
+        log:
+            "<logs>/advice.log",
+        conda:
+            "../../envs/vibrom.yaml"
+        resources:
+            mem_mb=memory("sink"),
+        params:
+            step="advice",
+        message:
+            "which effects the scenes need"
+        script:
+            "../scripts/step.py"

@@ -77,7 +77,8 @@ def check_version(path: str | Path, attributes: Mapping[str, Any]) -> None:
     """Raise `DataError` for an artefact of a version of vibrom that stored other things. One that
     an outside tool wrote names none, and is judged by what it holds.
     """
-    made_by = str(json.loads(attributes.get("versions", "{}")).get("vibrom", ""))
+    found = re.search('"vibrom": "([^"]*)"', str(attributes.get("versions")))
+    made_by = found[1] if found else ""
     number = tuple(int(part) for part in re.findall(r"\d+", made_by)[:2])
     if number and number < OLDEST:
         oldest = ".".join(map(str, OLDEST))

@@ -82,7 +82,13 @@ def kernel(*signatures, fastmath: bool | set[str] = True, nogil: bool = False):
         name = (function.__qualname__, *numbers, edition(function, *signatures))
         function.__qualname__ = "_".join(name)
         options = {"cache": True, "fastmath": fastmath, "nogil": nogil, "error_model": "numpy"}
-        return njit(list(signatures), **options)(function)
+        try:
+            return njit(list(signatures), **options)(function)
+        except RuntimeError as error:
+            if "cannot cache" not in str(error):
+                raise
+            # Neither the package's folder nor a home can be written: every process compiles.
+            return njit(list(signatures), **options | {"cache": False})(function)
 
     return compile
 

@@ -208,15 +208,20 @@ def two_motions(answer: Answer, case: str) -> str:
 
 
 def needs(collection: Collection) -> list[str]:
-    """Which effects each scene needs, as the study of ablation found."""
+    """Which effects each scene needs, in a sentence."""
+    text = "; ".join(advised(collection))
+    return [f"{text[0].upper()}{text[1:]}."] if text else []
+
+
+def advised(collection: Collection) -> list[str]:
+    """Which effects each scene needs, as the study of ablation found: a line a scene."""
     parts = []
     for scene in collection.scenes:
         study = collection.find(scene, FULL_ORDER, "ablation")
         if study is not None and "advised" in study:
             structure = collection.find(scene, FULL_ORDER, "structure")
             parts.append(advice.line(study, scene, list(described(structure, "effects"))))
-    text = "; ".join(parts)
-    return [f"{text[0].upper()}{text[1:]}."] if text else []
+    return parts
 
 
 def hardest(answer: Answer) -> str:

@@ -33,7 +33,7 @@ from vibrom.solvers.full import static
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.solvers.full.newmark import Motion, Record
 from vibrom.studies import Case, Study
-from vibrom.studies.parts.advice import advise, line, variables
+from vibrom.studies.parts.advice import advise, variables
 from vibrom.studies.parts.records import Column, stacked, text
 from vibrom.term import SceneError, Term
 
@@ -155,9 +155,7 @@ class Ablation(Study):
         for name in records.keys() & times.keys():
             records[name] |= times[name]
         ratio = times.get(together, {}).get("seconds_ratio", np.nan)
-        dataset = self._dataset(case, records, runs).assign(variables(advice, ratio))
-        print(line(dataset, whole.title, list(listed)))
-        return dataset
+        return self._dataset(case, records, runs).assign(variables(advice, ratio))
 
     def _dataset(self, case: Case, records: Mapping[str, Any], runs: Runs) -> xr.Dataset:
         spacing = runs.step * runs.every

@@ -105,5 +105,5 @@ def line(study: xr.Dataset, scene: str, listed: list[str]) -> str:
     return (
         f"{within} {scene} needs {needed}: without {without} it is off by "
         f"{float(study['advised_error']):.2g} %, and a step is "
-        f"{float(study['advised_ratio']):.2g} times as fast"
+        f"{float(f'{float(study["advised_ratio"]):.2g}'):g} times as fast"
     )
