@@ -215,6 +215,13 @@ def test_sweeps_jump_at_the_folds(models, answers, branches):
     scores = sweeps.score(found[1], found[0])
     assert scores["jumps"] == 2.0 and scores["amplitude_error_median_percent"] < 0.05
     assert abs(scores["jump_up_error_percent"]) < 100 * step
+    # What is left of a transient after 60 periods of the damping 0.03 is below 1e-3 but for jumps.
+    settled = found[1]["outcome"].values == "ok"
+    assert settled.mean() > 0.8 and (found[1]["change"].values[settled] <= 1e-3).all()
+    hasty = (
+        dataclasses.replace(sweeps, periods=8).ask(models[1], two_dofs.given())["outcome"].values
+    )
+    assert (hasty == "not_steady").mean() > 0.8
     linear = sweeps.ask(systems.reduced(**LINEAR), two_dofs.given())
     assert sweeps.score(linear, found[0])["jump_up_error_percent"] == np.inf
 

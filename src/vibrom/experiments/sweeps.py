@@ -15,11 +15,12 @@ import xarray as xr
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.artefacts.progress import bar
-from vibrom.config.kinds import Count, Positive, Whole
+from vibrom.config.kinds import Count, Positive, Tolerance, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import curve_error, periodic, response_variables
 from vibrom.models.model import Model
-from vibrom.solvers.periodic.carried import swept, swings
+from vibrom.models.steady import change_variable, judged, lags
+from vibrom.solvers.periodic.carried import stops, swings
 from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap
 
@@ -39,6 +40,7 @@ class Sweeps(Experiment):
     lowest: Positive = 0.8  # times the damped first frequency
     highest: Positive = 1.2  # times the damped first frequency
     halvings: Whole = 3  # of the step in which a jump was seen
+    steady: Tolerance = 0.001  # of the amplitude: what the last quarter at a frequency may change
 
     scores = {
         "jumps": "1",
@@ -64,15 +66,21 @@ class Sweeps(Experiment):
         forcing = float(self.forcing)
         most = 2 * (self.settle + self.periods * (self.frequencies + self.halvings))
         with bar(f"{given.title}sweeps", most, "periods") as heard:
+            given_lags = lags(self.periods)
             up, down = (
-                swept(flow, order, forcing, self.periods, self.settle, heard)
+                stops(flow, order, forcing, self.periods, self.settle, given_lags, heard)
                 for order in (frequency, frequency[::-1])
             )
-            points = [up, down[::-1]]
-            shown = periodic(np.stack([swings(flow, row, frequency, forcing) for row in points]))
+            seen = [list(zip(*row)) for row in (up, down[::-1])]
+            points = [row[-1] for row in seen]
+            swing = np.stack(
+                [[swings(flow, row, frequency, forcing) for row in stop] for stop in zip(*seen)]
+            )
+            shown, changes = periodic(swing[-1]), settled(swing)
             jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0], heard)
         seconds = time.perf_counter() - began
         finite = np.isfinite(shown.maximum).all(axis=-1)
+        ended = np.where(finite, Outcome.OK, Outcome.DIVERGED).astype(object)
         dims, point = ("direction", "angular_frequency", "probe"), "angular_frequency"
         answer = {
             **response_variables(dims, shown),
@@ -81,9 +89,10 @@ class Sweeps(Experiment):
             ),
             "forcing": variable((), forcing, "1", "amplitude, times the scene's load"),
             **outcome_variables(Outcome.OK, seconds=seconds),
+            **change_variable(dims[:2], changes),
             "outcome": variable(
                 dims[:2],
-                np.where(finite, Outcome.OK.value, Outcome.DIVERGED.value).astype(object),
+                judged(ended, changes, self.steady),
                 "1",
                 "how the motion ended",
             ),
@@ -160,6 +169,17 @@ class Sweeps(Experiment):
             "amplitude_error_median_percent": error.median_percent,
             "peak_error_percent": error.peak_percent,
         }
+
+
+def settled(swing: np.ndarray) -> np.ndarray:
+    """(2, k) how far the last period's motion differs from earlier ones, over its amplitude, of
+    (earlier ones + 1, 2, k, probes, samples) [m]; NaN without earlier ones.
+    """
+    if len(swing) == 1:
+        return np.full(swing.shape[1:3], np.nan)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        apart = np.abs(swing[:-1] - swing[-1]).max(axis=(0, 3, 4))
+        return apart / np.abs(swing[-1]).max(axis=(2, 3))
 
 
 def _off(one: float, other: float) -> float:

@@ -19,11 +19,27 @@ def swept(
     on from the one before; the first begins from rest and takes `settle` periods more. NaN from
     where the motion does not last. `heard` is told of the periods that are done.
     """
+    return [ends[-1] for ends in stops(flow, frequency, amplitude, periods, settle, (), heard)]
+
+
+def stops(
+    flow: ReturnMap,
+    frequency: np.ndarray,
+    amplitude: float,
+    periods: int,
+    settle: int,
+    lags: tuple[int, ...],  # periods, falling
+    heard: Callable[[int], object] = int,
+) -> list[list[np.ndarray]]:
+    """Of each frequency of such a sweep the points so many periods before its end, and the end."""
     x, points = np.zeros(flow.size), []
     for number, omega in enumerate(frequency.tolist()):
-        taken = periods + (0 if number else settle)
-        x = flow.after(x, omega, amplitude, taken)
-        points.append(x)
+        taken, left, seen = periods + (0 if number else settle), 0, []
+        for lag in (*lags, 0):
+            x = flow.after(x, omega, amplitude, taken - lag - left)
+            left = taken - lag
+            seen.append(x)
+        points.append(seen)
         heard(taken)
     return points
 

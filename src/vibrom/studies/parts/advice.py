@@ -102,8 +102,9 @@ def line(study: xr.Dataset, scene: str, listed: list[str]) -> str:
         return f"{within} {scene} needs all of its effects"
     needed = ", ".join(name for name in listed if name not in left_out).replace("_", " ")
     without = ", ".join(left_out).replace("_", " ")
+    ratio = float(study["advised_ratio"])
     return (
         f"{within} {scene} needs {needed}: without {without} it is off by "
         f"{float(study['advised_error']):.2g} %, and a step is "
-        f"{float(f'{float(study["advised_ratio"]):.2g}'):g} times as fast"
+        f"{float(f'{ratio:.2g}'):g} times as fast"
     )
