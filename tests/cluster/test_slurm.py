@@ -22,6 +22,7 @@ from project_copy import ROOT
 SCRIPT = Path(__file__).with_name("slurm.sh")
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel")
 LIMIT = 3600  # s, of the whole run
+BY_TIMES = {"break_even", "cheapest", "run_times"}  # tables whose rows are chosen by wall times
 
 
 def missing() -> str:
@@ -106,5 +107,5 @@ def test_the_tables_are_those_of_a_local_run(cluster, tmp_path):
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
     ours, theirs = tables(made.results), tables(local.results)
     assert ours.keys() == theirs.keys() and len(ours) > 10
-    for name in ours:
+    for name in ours.keys() - BY_TIMES:
         assert ours[name] == theirs[name], name
