@@ -48,3 +48,5 @@ def test_memory_grows_with_the_body_where_it_is_held_and_with_samples_where_thes
     longer = small | {"record": small["record"] | {"periods": 60}}
     assert mem_mb(longer, "full_order") == mem_mb(small, "full_order")
     assert mem_mb(longer, "answer") - mem_mb(small, "answer") == pytest.approx(held, abs=1.0)
+    asked = small | {"experiments": {"response": {"periods": 60}}}
+    assert mem_mb(asked, "full_order_answer") == mem_mb(longer, "full_order_answer")

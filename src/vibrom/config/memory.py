@@ -2,11 +2,11 @@
 
     mem = program + b n (PER_DISPLACEMENT + FACTOR (2 + across)) + a D,    D = 8 m n
 
-n displacements and m stored samples; `across` is what stands in a line across the body, about half
-the band of its matrices. A kind of job holds what a body is made of b times, and a arrays of the
-size of all recorded displacements: fits and full-order runs none, as they read and write these in
-blocks. These are bounds; what jobs took is held against them by tests/workflow/test_small_dag.py
-and, for 60 000 displacements, by benchmarks/memory.py.
+n displacements and m stored samples, of a decay or of the experiment `response`; `across` is what
+stands in a line across the body, about half the band of its matrices. A kind of job holds what a
+body is made of b times, and a arrays of the size of all recorded displacements: fits and full-order
+runs none, as they read and write these in blocks. These are bounds; what jobs took is held against
+them by tests/workflow/test_small_dag.py and, for 60 000 displacements, by benchmarks/memory.py.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ def mem_mb(scene: dict[str, Any], kind: str) -> int:
         return int(program + max(arrays, 3) * OBSERVABLES * files / MB)
     n, across = size(scene["body"])
     time = scene["time"]
-    samples = scene["record"]["periods"] * time["steps_per_period"] // time["every"] + 1
+    asked = scene.get("experiments", {}).get("response", {})  # keeps all displacements, too
+    periods = max(scene["record"]["periods"], asked.get("periods", 0))
+    samples = periods * time["steps_per_period"] // time["every"] + 1
     each = n * (PER_DISPLACEMENT + FACTOR * (2 + across))
     return int(program + bodies * each + arrays * 8 * samples * n / MB)
 
