@@ -5,7 +5,7 @@
 # make bench   environment, then every speed comparison
 # make reproduce   environment, then a fresh run's scores beside the project's own
 # make cluster     the small run through a Slurm of one node (as root, with Debian's slurm-wlm, munge)
-# make audit   environment, then the pinned packages against known weaknesses (needs PyPI itself)
+# make audit   environment, then the pinned packages against known weaknesses, by PyPI itself
 # make ui      compare the runs of results/ (or: make ui RESULTS=folder PORT=5050)
 PYTHON ?= python3
 CORES ?= 2
@@ -80,8 +80,8 @@ lock: environment
 	    --no-annotate --no-emit-index-url --upgrade -c envs/requirements.txt - -o envs/cluster.txt
 	@echo "Next: 'make test' makes the environment again and tries it."
 
-# The pinned packages against PyPI's list of known weaknesses. One that cannot be looked up is an error, too: a
-# mirror without that list would pass for a clean bill.
+# The pinned packages against PyPI's list of known weaknesses. One that cannot be looked up is an
+# error, too: a mirror without that list would pass for a clean bill.
 audit: environment
 	$(BIN)/uv tool run pip-audit --strict --disable-pip --require-hashes -r envs/requirements.txt -r envs/uv.txt
 
