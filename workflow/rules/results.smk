@@ -66,9 +66,7 @@ rule tracking:
         mem_mb=memory("sink"),
     params:
         step="tracking",
-        artefacts=behind(
-            FITTED + SCORED + of_full_order(SCENES, ["structure"])
-        ),
+        artefacts=behind(FITTED + SCORED + of_full_order(SCENES, ["structure"])),
         provenance=code("tracking"),
     message:
         "MLflow store"
