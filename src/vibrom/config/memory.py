@@ -26,7 +26,7 @@ OBSERVABLES = 5  # that a recorded channel makes, at most
 # Kind of job -> what Python, its packages (torch, where networks are), compiled code and blocks of
 # rows take [MB], b, a. Fits have directions and coefficients of all displacements. Answers hold
 # the recorded decay, the model's and what compares them; studies those of several models; sinks
-# read artefacts one by one.
+# the recorded decays of a scene.
 HELD = {
     "full_order": (700, 1, 0),
     "fit": (1400, 0.5, 0),
@@ -34,7 +34,7 @@ HELD = {
     "answer": (1400, 0, 12),
     "full_order_answer": (1400, 1, 6),
     "study": (1400, 1, 16),
-    "sink": (1400, 0, 3),
+    "sink": (1400, 0, 9),
 }
 
 

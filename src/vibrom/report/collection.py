@@ -48,9 +48,7 @@ class Collection:
             name = attributes.get("role", attributes["kind"])
             model = None if seed == FITTED_ONCE else seed
             key = Key(attributes["scene"], attributes["method"], model, name)
-            # A recorded decay may be larger than memory, and little of it is shown.
-            lazy = attributes["kind"] == "trajectory"
-            loaders[key] = partial(open_dataset, path, attributes["kind"], lazy=lazy)
+            loaders[key] = partial(open_dataset, path, attributes["kind"])
         return cls(loaders)
 
     @property
