@@ -42,7 +42,7 @@ def test_another_workflow_runs_this_one_under_other_names(tmp_path):
     answer = command(folder, "--cores", "2", "beam_scores", **PATHS)
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
     scores = pd.read_csv(folder / "results/scores.csv", keep_default_na=False)
-    assert set(scores["method"]) == {"modal_projection"}
+    assert set(scores["method"]) == {"full_order", "modal_projection"}
     assert (folder / "results/folding/full_order/train.nc").is_file()
 
 
