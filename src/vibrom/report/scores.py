@@ -179,7 +179,7 @@ def _balances(key: Key, study: xr.Dataset) -> list[Score]:
     for run in MODEL_RUNS:
         values = study[f"{run}_balance"].values if f"{run}_balance" in study else ()
         for value, model, seed, ended in zip(values, *fits):
-            whose = key._replace(model=model, seed=None if seed == FITTED_ONCE else seed)
+            whose = key._replace(model=model, seed=None if seed == FITTED_ONCE else int(seed))
             word = Outcome.UNBALANCED if value > study.attrs["tolerance"] else ended
             found.append(_balance_of(whose, run, value, np.nan, Tally([word])))
     return found
