@@ -4,8 +4,6 @@ q = phi z + b (phi' z)^2,    z_i'' = -w_i^2 z_i - c z_i' + a z_i^3
 """
 
 import numpy as np
-import pytest
-import torch
 from scipy.integrate import solve_ivp
 from scipy.sparse import csr_matrix, diags
 
@@ -18,14 +16,6 @@ MASS = np.linspace(0.5, 1.5, N)
 MODES = (np.linalg.qr(RANDOM.standard_normal((N, 2)))[0] / np.sqrt(MASS)[:, None]).T
 BEND = 0.2 * RANDOM.standard_normal(N) / SIZE
 QUICK = {"hidden": (12,), "rank": 0, "every": 1, "epochs": 5}
-
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def oscillate(start, modes=1, periods=8):

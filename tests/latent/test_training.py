@@ -13,16 +13,10 @@ from vibrom.latent.optimisers import OPTIMISERS
 from vibrom.latent.polynomial import exponents
 from vibrom.models.training import Clock, Monitor, TrainingDiverged
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 SHAPE = Autoencoder((5, 8, 1), "silu")
 DYNAMICS = Dynamics(np.array([[-1.0, -0.02]]), exponents(2, 2, 3), 0.0, 1.0, 1.0, 0.1, 0.0)
-
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def motion(samples=64):

@@ -14,7 +14,6 @@ from bent_oscillator import (
     QUICK,
     SIZE,
     N,
-    one_thread,  # noqa: F401  a fixture
     oscillate,
     structure,
     training,
@@ -28,6 +27,8 @@ from vibrom.methods.split import Split
 from vibrom.methods.split_plus import SplitPlus
 from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import MethodError, TrainingDiverged
+
+pytestmark = pytest.mark.usefixtures("one_thread")
 
 METHODS = {"decoupled": DecoupledAutoencoder, "sindy": SindyAutoencoder, "split": Split}
 

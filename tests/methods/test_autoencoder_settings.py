@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import torch
-from bent_oscillator import FREQUENCIES, QUICK, one_thread, structure, training  # noqa: F401
+from bent_oscillator import FREQUENCIES, QUICK, structure, training
 
 from vibrom.latent.coefficients import fit_first_order, least_loss
 from vibrom.latent.coordinates import Coordinates, static_norm
@@ -12,6 +12,8 @@ from vibrom.latent.polynomial import exponents, monomials
 from vibrom.methods.decoupled_autoencoder import DecoupledAutoencoder
 from vibrom.methods.split import Split
 from vibrom.models.training import MethodError
+
+pytestmark = pytest.mark.usefixtures("one_thread")
 
 
 def test_the_norm_of_accelerations():

@@ -7,7 +7,6 @@ from typing import get_args
 
 import numpy as np
 import pytest
-import torch
 
 from vibrom.config import plugs
 from vibrom.latent.training import OptimiserName
@@ -16,19 +15,13 @@ from vibrom.models.measures import nmte_percent
 from vibrom.models.rollout import Integrator, rollout
 from vibrom.models.training import Training
 
+pytestmark = pytest.mark.usefixtures("one_thread")
+
 SETTINGS = {
     name: {item.name for item in fields(method_from_settings(name, {}))}
     for name in plugs.names("methods")
 }
 TRAINED = [name for name, known in SETTINGS.items() if "optimiser" in known]
-
-
-@pytest.fixture(autouse=True)
-def one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 def noisy(beam, size, seed=0):

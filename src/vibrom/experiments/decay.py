@@ -12,7 +12,7 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import worst
 from vibrom.config.kinds import Count
 from vibrom.experiments import Experiment, Given
-from vibrom.models.measures import nmte_percent
+from vibrom.models.measures import nmte_percent, range_variable
 from vibrom.models.model import Model, Watch
 from vibrom.models.recorded import trajectories
 
@@ -72,12 +72,7 @@ class Decay(Experiment):
                 "encoded": variable(
                     dims, model.coordinates(state), "1", "reduced coordinates of the record"
                 ),
-                "range_ratio": variable(
-                    (),
-                    max(run.range_ratio[0] for run in runs),
-                    "1",
-                    "largest reduced coordinate over the largest in the training data",
-                ),
+                **range_variable((), max(run.range_ratio[0] for run in runs)),
             }
         if len(records) > 1:
             part = np.repeat(np.arange(len(records)), [len(record.time) for record in records])

@@ -13,7 +13,7 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.balance import balance_variable, checked
-from vibrom.models.measures import nmte_percent
+from vibrom.models.measures import nmte_percent, range_variable
 from vibrom.models.model import Drive, Model, Watch
 from vibrom.models.steady import change, change_variable, judged, strobe
 
@@ -73,12 +73,7 @@ class Forced(Experiment):
                 "reduced": variable(
                     ("time", "coordinate"), run.reduced[0][0], "1", "reduced coordinates"
                 ),
-                "range_ratio": variable(
-                    (),
-                    run.range_ratio[0],
-                    "1",
-                    "largest reduced coordinate over the largest in the training data",
-                ),
+                **range_variable((), run.range_ratio[0]),
             }
         coords = {
             "time": variable("time", instants, "s", "time since the forcing began"),

@@ -15,7 +15,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.balance import balance_variable, checked
-from vibrom.models.measures import curve_error, periodic, response_variables
+from vibrom.models.measures import curve_error, periodic, range_variable, response_variables
 from vibrom.models.model import Drive, Model, Watch
 from vibrom.models.steady import change, change_variable, judged, strobe
 
@@ -74,12 +74,7 @@ class ResponseCurve(Experiment):
             ),
         }
         if run.reduced is not None:
-            answer["range_ratio"] = variable(
-                point,
-                run.range_ratio,
-                "1",
-                "largest reduced coordinate over the largest in the training data",
-            )
+            answer |= range_variable(point, run.range_ratio)
         coords = {
             point: variable(point, frequency, "rad s-1", "angular frequency of the forcing"),
             "probe": given.probe,

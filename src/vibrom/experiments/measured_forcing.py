@@ -15,7 +15,7 @@ from scipy.interpolate import make_interp_spline
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import worst
 from vibrom.experiments import Experiment, Given
-from vibrom.models.measures import nmte_percent
+from vibrom.models.measures import nmte_percent, range_variable
 from vibrom.models.model import Model, Motion, Signals, Watch
 from vibrom.models.training import Unsupported
 
@@ -49,12 +49,7 @@ class MeasuredForcing(Experiment):
                     "time", known["signal_value"].values[:, 0], "1", "what drove it"
                 ),
                 "part": variable("time", part, "1", "number of the recording"),
-                "range_ratio": variable(
-                    (),
-                    max(float(run.range_ratio[0]) for run in runs),
-                    "1",
-                    "largest reduced coordinate over the largest in the training data",
-                ),
+                **range_variable((), max(float(run.range_ratio[0]) for run in runs)),
                 **outcome_variables(
                     worst(run.outcome[0] for run in runs),
                     np.nan if np.isnan(failed).all() else np.nanmin(failed),

@@ -17,7 +17,7 @@ from vibrom import signals
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count, NonNegative, Positive
 from vibrom.experiments import Experiment, Given, at_rest
-from vibrom.models.measures import nmte_percent
+from vibrom.models.measures import nmte_percent, range_variable
 from vibrom.models.model import Model, Signals, Watch
 from vibrom.models.training import Unsupported
 
@@ -70,12 +70,7 @@ class Response(Experiment):
                 "reduced": variable(
                     ("time", "coordinate"), run.reduced[0][0], "1", "reduced coordinates"
                 ),
-                "range_ratio": variable(
-                    (),
-                    run.range_ratio[0],
-                    "1",
-                    "largest reduced coordinate over the largest in the training data",
-                ),
+                **range_variable((), run.range_ratio[0]),
             }
         time = variable("time", instants, "s", "time since the start")
         return xr.Dataset(answer, coords={"time": time, "probe": given.probe})

@@ -48,6 +48,14 @@ def periodic(samples: np.ndarray) -> Periodic:
     return Periodic(samples.max(axis=-1), samples.min(axis=-1), phase)
 
 
+def range_variable(
+    dims: tuple[str, ...] | str, ratio: np.ndarray | float
+) -> dict[str, xr.Variable]:
+    """How far a motion of a reduced model went, as answers keep it."""
+    words = "largest reduced coordinate over the largest in the training data"
+    return {"range_ratio": variable(dims, ratio, "1", words)}
+
+
 def response_variables(
     dims: tuple[str, ...], shown: Periodic, largest: str = "amplitude"
 ) -> dict[str, xr.Variable]:

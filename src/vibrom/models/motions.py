@@ -13,7 +13,7 @@ import xarray as xr
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.models.curves import Curve, difference
-from vibrom.models.measures import periodic, response_variables
+from vibrom.models.measures import periodic, range_variable, response_variables
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import Along, prepare
@@ -171,7 +171,5 @@ def _endings(found: list[Found]) -> dict[str, xr.Variable]:
         "failed_at": variable("point", np.full(len(found), np.nan), "s", "unused"),
     }
     if np.isfinite(ratio).any():
-        rows["range_ratio"] = variable(
-            "point", ratio, "1", "largest reduced coordinate over the largest in the training data"
-        )
+        rows |= range_variable("point", ratio)
     return rows
