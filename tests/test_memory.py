@@ -50,3 +50,16 @@ def test_memory_grows_with_the_body_where_it_is_held_and_with_samples_where_thes
     assert mem_mb(longer, "answer") - mem_mb(small, "answer") == pytest.approx(held, abs=1.0)
     asked = small | {"experiments": {"response": {"periods": 60}}}
     assert mem_mb(asked, "full_order_answer") == mem_mb(longer, "full_order_answer")
+
+
+def test_the_factor_of_a_wide_body_has_its_place():
+    """A banded factor has a number for every displacement and every place of half the band, which
+    is a layer of nodes, a row and a node wide where elements are trilinear.
+    """
+    cells = np.array([40, 30, 30])
+    nodes = cells + 1
+    half = 3 * (nodes[1] * nodes[2] + nodes[2] + 1)
+    factor = 8e-6 * 3 * nodes.prod() * half
+    made = scene("solid_cantilever", cells=cells.tolist(), element="trilinear")
+    asked = mem_mb(made, "full_order")
+    assert factor < asked < 4 * factor
