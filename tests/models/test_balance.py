@@ -1,17 +1,20 @@
 """The work balance, on linear motions that are known in closed form."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import two_dofs
 
+from vibrom.effects.dry_friction import DryFriction
 from vibrom.experiments.forced import Forced
 from vibrom.experiments.frc import ResponseCurve
+from vibrom.experiments.random_forcing import RandomForcing
+from vibrom.experiments.response import Response
 from vibrom.models.balance import SAMPLES, checked, of_motion
-from vibrom.models.model import Drive, Watch
+from vibrom.models.model import Drive, Signals, Watch
 from vibrom.solvers.full.newmark import Newmark
-from vibrom.term import Force
 
 MODEL = two_dofs.full_order()
 INSTANTS = MODEL.period * np.arange(20 * SAMPLES + 1) / SAMPLES
@@ -101,7 +104,15 @@ def damped_by_mistake(monkeypatch):
     monkeypatch.setattr(Newmark, "run", run)
 
 
-@pytest.mark.parametrize("question", [Forced(0.1, periods=40), ResponseCurve(0.1, 40, 3)])
+ASKED = (
+    Forced(0.1, periods=40),
+    ResponseCurve(0.1, 40, 3),
+    Response(periods=40),
+    RandomForcing(0.1, realisations=3, periods=20, settle=20, windows=1),
+)
+
+
+@pytest.mark.parametrize("question", ASKED)
 def test_a_run_that_breaks_it_is_flagged(question, request):
     good = question.ask(MODEL, two_dofs.given())
     assert (good["balance"] < 1e-4).all() and (good["outcome"] != "unbalanced").all()
@@ -116,13 +127,75 @@ def test_failures_keep_their_word():
     assert list(found) == ["unbalanced", "no_convergence", "ok"]
 
 
-def test_forces_without_a_potential_are_not_judged():
-    force = Force(lambda width: (None, None), np.zeros((1, 1), int), np.zeros((1, 1)))
-    for conservative in (True, False):
-        one = replace(force, conservative=conservative)
-        term = replace(MODEL.term, forces=(one,) if not conservative else ())
-        found = of_motion(term, REST, MODEL.period, None, decay())
-        assert np.isnan(found) != conservative
+def test_the_work_of_a_pulse_is_what_there_is_and_what_was_lost():
+    """A pulse of U on the first mode, whose step response is known: it works U z(d), and a signal
+    that is told to be a tenth larger leaves a tenth of that open.
+    """
+    omega, zeta, mode = two_dofs.FREQUENCIES[0], two_dofs.RATIOS[0], two_dofs.MODES[0]
+    count, end, size = 400, 180, 0.3  # samples of a period, at which the pulse ends, and U
+    t = MODEL.period * np.arange(10 * count + 1) / count
+    fast, slow = omega * np.sqrt(1 - zeta**2), zeta * omega
+
+    def step_response(t):
+        t = np.maximum(t, 0.0)
+        turned = np.cos(fast * t) + slow / fast * np.sin(fast * t)
+        return size * (1.0 - np.exp(-slow * t) * turned) / omega**2
+
+    def step_speed(t):
+        t = np.maximum(t, 0.0)
+        return size * np.exp(-slow * t) * np.sin(fast * t) / fast
+
+    z, speed = (f(t) - f(t - t[end]) for f in (step_response, step_speed))
+    late = 0.5 * (t[end] + t[end + 1])  # a jump between two samples is a ramp to its reader
+
+    def balance(times):
+        pulse = Signals(
+            (two_dofs.MASS @ mode)[None],
+            lambda at: times * size * np.where(at < late, 1.0, 0.0)[None, None],
+        )
+        return of_motion(MODEL.term, REST, MODEL.period, pulse, np.outer(z, mode), count)
+
+    # The ramp is off by half a sample's way, h/2 v, of z(d); more than (omega h)^2/12.
+    h = MODEL.period / count
+    bound = 0.5 * h * abs(speed[end]) / z[end]
+    assert balance(1.0) < bound < 0.01
+    there = 0.5 * (speed**2 + omega**2 * z**2)  # a unit modal mass
+    lost = 2 * slow * np.trapezoid(speed**2, t)
+    work = size * z[end]
+    before = 2 * slow * np.trapezoid(speed[: end + 1] ** 2, dx=h)
+    assert work == pytest.approx(there[end] + before, rel=1e-4)  # (2 omega h)^2/12 of `before`
+    expected = 0.1 * work / (there[::count].max() + lost)
+    assert balance(1.1) == pytest.approx(expected, rel=0.2 * bound + 0.02)
+
+
+JUMPS = Signals(
+    np.array([two_dofs.LOAD, two_dofs.PULL]),
+    lambda t: np.array([[0.2 * (t > 3.3) - 0.3 * (t > 9.1), np.sign(np.sin(40.0 * t))]]),
+)
+
+
+def test_the_trapezoidal_rule_balances_a_linear_body_whatever_drives_it():
+    """Each step, but for rounding: signals that jump at every third step and loads that are not
+    alike.
+    """
+    found = MODEL.motion(START, JUMPS, Watch(INSTANTS[:: 2 * SAMPLES])).balance
+    assert found[0] < 1e-12
+
+
+def test_forces_without_a_potential_count_by_their_power():
+    """Dry friction stops a slide: it takes all that there was; as the force of a step is the mean
+    of its ends, nothing is left open but what Newton's iteration leaves.
+    """
+    rub = DryFriction([0.0, 0.0], "x", force=0.05, velocity=1e-2)
+    rubbed = rub.assemble(SimpleNamespace(dof=lambda *where: 1), MODEL.term)
+    close = replace(MODEL, term=MODEL.term + rubbed, newmark=Newmark(tolerance=1e-10))
+    watch = Watch(INSTANTS[:: 2 * SAMPLES])
+    assert close.motion(START, None, watch).balance[0] < 1e-8
+    forgotten = replace(MODEL.term, forces=())
+    instants = MODEL.period / 100 * np.arange(20 * 100 + 1)
+    motion = close.motion(START, None, Watch(instants)).displacement[0][0]
+    assert of_motion(close.term, REST, MODEL.period, None, motion, 100) < 1e-3
+    assert of_motion(forgotten, REST, MODEL.period, None, motion, 100) > 0.05
 
 
 def test_reduced_models_say_nothing_of_it():

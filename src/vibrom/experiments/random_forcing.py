@@ -18,8 +18,9 @@ from scipy.signal import welch
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
-from vibrom.config.kinds import Count, NonNegative, Positive, Seed, Whole
+from vibrom.config.kinds import Count, NonNegative, Positive, Seed, Tolerance, Whole
 from vibrom.experiments import Experiment, Given, at_rest
+from vibrom.models.balance import balance_variable, checked
 from vibrom.models.model import Model, Signals, Watch
 from vibrom.signals.noise import Noise
 
@@ -36,6 +37,7 @@ class RandomForcing(Experiment):
     periods: Count = 200  # of the damped first mode, that the spectrum is of
     settle: Whole = 50  # periods before them
     windows: Count = 7  # of each realisation
+    balance: Tolerance = 0.01  # relative error of energy, work and losses, where that is known
 
     scores = {
         "completed": "1",
@@ -54,9 +56,10 @@ class RandomForcing(Experiment):
         """Spectrum and standard deviation at every probe."""
         period, first = 2.0 * np.pi / model.frequency, self.settle * given.samples
         instants = period * np.arange(first + self.periods * given.samples) / given.samples
-        drive = self._drive(model, given.structure["load"].values)
+        drive = self.drive(model, given.structure)
         runs = self.realisations
         motion = model.motion(at_rest(model, runs), drive, Watch(instants, model.probes))
+        ended = checked(motion.outcome, motion.balance, self.balance)
         seen = motion.displacement[0][:, first:].transpose(0, 2, 1)  # (runs, probes, instants)
         length = max(2 * seen.shape[-1] // (self.windows + 1), 2)
         rate = given.samples / period
@@ -78,7 +81,8 @@ class RandomForcing(Experiment):
                 (), float(self.forcing), "1", "standard deviation, times the scene's load"
             ),
             **outcome_variables(Outcome.OK, seconds=motion.seconds),
-            "outcome": variable("realisation", motion.outcome, "1", "how the motion ended"),
+            **balance_variable(("realisation",), motion.balance),
+            "outcome": variable("realisation", ended, "1", "how the motion ended"),
             "failed_at": variable(
                 "realisation", motion.failed_at, "s", "when it failed or left the training range"
             ),
@@ -96,10 +100,13 @@ class RandomForcing(Experiment):
     def _seeds(self) -> list[int]:
         return list(range(self.seed, self.seed + self.realisations))
 
-    def _drive(self, model: Model, load: np.ndarray) -> Signals:
+    def drive(self, model: Model, known: xr.Dataset) -> Signals:
+        """Noise on the scene's load, of each realisation."""
         band = self.lowest * model.frequency, self.highest * model.frequency
         noise = Noise(lowest=band[0], highest=band[1], deviation=self.forcing, seed=self.seed)
-        return Signals(load[None], lambda t: noise.realised(t, self._seeds)[:, None])
+        return Signals(
+            known["load"].values[None], lambda t: noise.realised(t, self._seeds)[:, None]
+        )
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Of the first probe, over the band: median distance of the spectra, and errors of the

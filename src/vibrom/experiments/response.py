@@ -15,8 +15,9 @@ import xarray as xr
 
 from vibrom import signals
 from vibrom.artefacts.data import outcome_variables, variable
-from vibrom.config.kinds import Count, NonNegative, Positive
+from vibrom.config.kinds import Count, NonNegative, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
+from vibrom.models.balance import balance_variable, checked
 from vibrom.models.measures import nmte_percent, range_variable
 from vibrom.models.model import Model, Signals, Watch
 from vibrom.models.training import Unsupported
@@ -29,6 +30,7 @@ class Response(Experiment):
     periods: Count = 50  # of the damped first mode
     forcing: NonNegative = 0.0  # amplitude of the sine on top, times the load without a signal
     frequency: Positive = 1.0  # of that sine, times the damped first frequency
+    balance: Tolerance = 0.01  # relative error of energy, work and losses, where that is known
 
     scores = {
         "nmte_percent": "percent",
@@ -45,10 +47,11 @@ class Response(Experiment):
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """All displacements at the instants that the full order stores."""
-        drive = self._drive(model, given.structure)
+        drive = self.drive(model, given.structure)
         period = 2.0 * np.pi / model.frequency
         instants = period * np.arange(self.periods * given.samples + 1) / given.samples
         run = model.motion(at_rest(model), drive, Watch(instants))
+        ended = checked(run.outcome, run.balance, self.balance)
         displacement = run.displacement[0][0]
         answer = {
             "displacement": variable(
@@ -63,7 +66,8 @@ class Response(Experiment):
             "signal": variable(
                 ("driven", "time"), drive.value(instants)[0], "1", "signal of each load"
             ),
-            **outcome_variables(run.outcome[0], run.failed_at[0], run.seconds),
+            **balance_variable((), run.balance),
+            **outcome_variables(ended[0], run.failed_at[0], run.seconds),
         }
         if run.reduced is not None:
             answer |= {
@@ -75,7 +79,7 @@ class Response(Experiment):
         time = variable("time", instants, "s", "time since the start")
         return xr.Dataset(answer, coords={"time": time, "probe": given.probe})
 
-    def _drive(self, model: Model, known: xr.Dataset) -> Signals:
+    def drive(self, model: Model, known: xr.Dataset) -> Signals:
         """The loads with their signals, and the sine on top."""
         if "driven_load" not in known:
             raise Unsupported("no load of this scene has a signal; give one (`signal`)")

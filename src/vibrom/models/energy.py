@@ -101,16 +101,18 @@ def power(
     return net, gross
 
 
-def forces(term: Term, displacement: np.ndarray) -> np.ndarray:
-    """sum_i f_i(q, 0) (n, m) [N] at rest in `displacement` (n, m)."""
+def forces(term: Term, displacement: np.ndarray, velocity: np.ndarray | None = None) -> np.ndarray:
+    """sum_i f_i(q, v) (n, m) [N] of displacements and velocities (n, m); None: at rest there."""
     n, states = displacement.shape
     out = np.zeros((n, states))
-    for force in term.forces:
-        kernel, _ = force.kernels(WIDTH)
-        for first in range(0, states, WIDTH):
-            count = min(WIDTH, states - first)
-            q, f = np.zeros((n, WIDTH)), np.zeros((n, WIDTH))
-            q[:, :count] = displacement[:, first : first + count]
-            kernel(q, np.zeros((n, WIDTH)), force.dofs, force.table, f)
-            out[:, first : first + count] += f[:, :count]
+    q, v, f = np.zeros((3, n, WIDTH))
+    kernels = [(force, force.kernels(WIDTH)[0]) for force in term.forces]
+    for first in range(0, states, WIDTH):
+        count = min(WIDTH, states - first)
+        q[:, :count], f[:] = displacement[:, first : first + count], 0.0
+        if velocity is not None:
+            v[:, :count] = velocity[:, first : first + count]
+        for force, kernel in kernels:
+            kernel(q, v, force.dofs, force.table, f)
+        out[:, first : first + count] = f[:, :count]
     return out

@@ -17,7 +17,7 @@ from vibrom.artefacts.progress import bar
 from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.balance import Ledger
-from vibrom.models.model import Drive, Motion, Signals, Watch
+from vibrom.models.model import Drive, Motion, Push, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.training import Unsupported
 from vibrom.solvers.full.batch import Further
@@ -28,7 +28,6 @@ from vibrom.term import Term
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
-Push = Drive | Signals | None
 CLOSE = 1e-9  # relative residual; rounding allows no less
 ON_STEP = 1e-6  # of a step: farther from one an instant is not on the grid
 
@@ -131,7 +130,7 @@ class FullOrder:
             self, newmark=newmark, steps_per_period=steps, initial_acceleration="equilibrium"
         )
 
-    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Push, *watches: Watch) -> Motion:
         """See `Model.motion`. Raises ValueError where an instant does not lie on a step."""
         runs = len(start)
         period = drive.period if isinstance(drive, Drive) else np.full(runs, self.period)
@@ -155,11 +154,7 @@ class FullOrder:
     def balanced(
         self, start: np.ndarray, step: np.ndarray, steps: int, record: Record, drive: Push
     ) -> tuple[SolverMotion, np.ndarray]:
-        """`run`, and its work balance (b,); loads with signals of their own may jump or change
-        faster than it looks, and are not judged.
-        """
-        if isinstance(drive, Signals):
-            return self.run(start, step, steps, record, drive), np.full(len(start), np.nan)
+        """`run`, and its work balance (b,)."""
         ledger = Ledger(self.term, self.rest, step, self.steps_per_period, drive)
         run = self.run(start, step, steps, replace(record, observer=ledger), drive)
         return run, np.where(np.isnan(run.failed_at), ledger.balance(), np.nan)

@@ -41,6 +41,9 @@ class Signals:
     value: Callable[[np.ndarray], np.ndarray]  # instants (m,) [s] -> u (b, k, m) of each run
 
 
+Push = Drive | Signals | None  # None: left alone
+
+
 @dataclass(frozen=True)
 class Watch:
     """Displacements that are kept, and when."""
@@ -86,7 +89,7 @@ class Model(Protocol):
         """Instants of a period at which the model is known without extra cost."""
         ...
 
-    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Push, *watches: Watch) -> Motion:
         """From `start` (b, 2n) [m, m/s] at t = 0, driven or left alone."""
         ...
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.models.calibration import Calibration, Signalled, calibration
-from vibrom.models.model import Drive, Motion, Signals, Watch
+from vibrom.models.model import Drive, Motion, Push, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
 from vibrom.models.rollout import Integrator, decode_displacement, pushed, rollout
@@ -74,7 +74,7 @@ class Reduced:
         difference = self.rom.drift(steps) - self.rom.drift(-steps)
         return np.linalg.eigvals(difference.T / (2.0 * JACOBIAN_STEP * self.rom.reach))
 
-    def motion(self, start: np.ndarray, drive: Drive | Signals | None, *watches: Watch) -> Motion:
+    def motion(self, start: np.ndarray, drive: Push, *watches: Watch) -> Motion:
         """See `Model.motion`."""
         if isinstance(drive, Signals):
             return self._pushed(start, drive, *watches)

@@ -25,8 +25,9 @@ OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 ONLINE = ("decay_s", "forced_s", "frc_s")
 
 BALANCE = "balance"  # under this name stand the work balances, each of a run:
-RUNS = ("train", "test", "forced", "frc")  # of the full order,
-MODEL_RUNS = ("decay", "forced")  # and of the models
+UNDER_SIGNALS = ("response", "random_forcing")
+RUNS = ("train", "test", "forced", "frc", *UNDER_SIGNALS)  # of the full order,
+MODEL_RUNS = ("decay", "forced", *UNDER_SIGNALS)  # and of the models
 
 
 class Score(NamedTuple):

@@ -5,14 +5,15 @@
 (`models.trust`). It is evaluated along ellipses of growing amplitude, where one reduced oscillator
 moves, and in the first period of the model's own decay from the test release. A model is trusted up
 to the largest displacement at which e stays within a tolerance. Beside that stands the work balance
-(`models.balance`) of its decay and of the scene's forced run, which starts at rest.
+(`models.balance`) of its decay and, from rest, of the scene's forced run, of its motion under loads
+with signals, and of one under random forcing, where the scene has them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.models.balance import SAMPLES, of_motion
 from vibrom.models.full_order import FullOrder
-from vibrom.models.model import Drive, Watch
+from vibrom.models.model import Drive, Push, Signals, Watch
 from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator, rollout
 from vibrom.models.rom import Rom, rom_from_dataset
@@ -47,7 +48,14 @@ COLUMNS = {
     "release_error": Column("percent", "error in the first period of the test decay"),
     "release_displacement": Column("m", "largest displacement of that period"),
     "decay_balance": Column("1", "relative error of energy and losses of the decay"),
-    "forced_balance": Column("1", "relative error of energy, work and losses of a forced run"),
+    **{
+        f"{run}_balance": Column("1", f"relative error of energy, work and losses, {words}")
+        for run, words in (
+            ("forced", "driven by a sine"),
+            ("response", "under loads with signals"),
+            ("random_forcing", "under random forcing"),
+        )
+    },
 }
 
 
@@ -63,7 +71,7 @@ class Trust(Study):
 
     jobs = {"models": "trust"}
     reads = {"models": ("full_order/release",)}
-    experiments = ("forced",)
+    experiments = ("forced", "response", "random_forcing")
 
     def of_models(self, case: Case) -> xr.Dataset:
         """One entry a model."""
@@ -130,18 +138,34 @@ class Trust(Study):
     def _balances(
         self, case: Case, full: FullOrder, start: np.ndarray, model: Reduced
     ) -> dict[str, float]:
-        """Of the test decay, and of a run that is forced from rest, where there is one."""
-        runs: dict[str, tuple[np.ndarray, Drive | None]] = {"decay_balance": (start[None], None)}
-        if "forced" in case.scene["experiments"]:
-            forcing = np.array([float(case.settings("forced")["forcing"])])
-            at_resonance = Drive(forcing, np.array([full.frequency]))
-            runs["forced_balance"] = (np.zeros((1, len(start))), at_resonance)
-        watch, found = Watch(full.period * np.arange(self.periods * SAMPLES + 1) / SAMPLES), {}
-        for name, (state, drive) in runs.items():
+        """Of the test decay, and of the runs from rest that the scene has. Signals that may jump
+        are seen as often as the model sees them.
+        """
+        found = {}
+        for run in ("decay", *self.experiments):
+            if run != "decay" and run not in case.scene["experiments"]:
+                continue
             with suppress(Unsupported):
+                drive = self._drive(case, run, full)
+                samples = full.samples if isinstance(drive, Signals) else SAMPLES
+                watch = Watch(full.period * np.arange(self.periods * samples + 1) / samples)
+                state = start[None] if run == "decay" else np.zeros((1, len(start)))
                 motion = model.motion(state, drive, watch).displacement[0][0]
-                found[name] = of_motion(full.term, full.rest, full.period, drive, motion)
+                asked = full.term, full.rest, full.period, drive, motion, samples
+                found[f"{run}_balance"] = of_motion(*asked)
         return found
+
+    def _drive(self, case: Case, run: str, full: FullOrder) -> Push:
+        if run == "decay":
+            return None
+        if run == "forced":
+            forcing = np.array([float(case.settings(run)["forcing"])])
+            return Drive(forcing, np.array([full.frequency]))
+        question: Any = case.question(run)
+        if run == "random_forcing":
+            question = replace(question, realisations=1)
+        drive: Signals = question.drive(full, case.structure)
+        return drive
 
 
 def swing(rom: Rom, z: np.ndarray, probe: int) -> tuple[float, float]:

@@ -81,7 +81,9 @@ def job_case(study, kind):
 
 
 def job_code(study, kind):
-    """The code of the study, of the experiments that it evaluates, of the scene and the models."""
+    """The code of the study, of the experiments that it evaluates, of the scene, its signals and
+    the models.
+    """
     constants = STUDIES[study]
     own = [f"studies.{study}", *(f"experiments.{name}" for name in constants["experiments"])]
     own += [constants["parts"][kind]] if kind in constants["parts"] else []
@@ -91,6 +93,7 @@ def job_code(study, kind):
         models = sorted({method_module(method) for method in chosen[kind]})
         schemes = [f"solvers.full.schemes.{name}" for name in names("solvers/full/schemes")]
         varied = schemes if kind == "scene" else []
-        return code("study", *own, *scene_modules(wildcards), *models, *varied)
+        signals = SETTINGS.signals_of(wildcards.scene)
+        return code("study", *own, *scene_modules(wildcards), *signals, *models, *varied)
 
     return attributes

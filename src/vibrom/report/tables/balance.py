@@ -1,13 +1,14 @@
 """The work balance of every run
 
-What the energy of the body changes by, less the work of the load, plus what damping takes, relative
-to all energy that was there or went through: zero for the equations of motion. The full order's
-runs break it by their numerical damping and the errors of their steps. The motions of the models
-are inserted into the body's own energy: a model whose shapes are off a little may be off far in
-energy, as a body is much stiffer along its length than across it. Largest value over the points of
-a curve; over seeds the median, smallest and largest. Runs beyond the tolerance (``balance`` of the
+What the energy of the body changes by, less the work of the loads, plus what damping and other
+forces without a potential take, relative to all energy that was there or went through: zero for the
+equations of motion. The full order's runs break it by their numerical damping and the errors of
+their steps. The motions of the models are inserted into the body's own energy: a model whose shapes
+are off a little may be off far in energy, as a body is much stiffer along its length than across
+it. Largest value over the points of a curve or the realisations of noise; over seeds the median,
+smallest and largest. Runs beyond the tolerance (``balance`` of the
 scene's ``record`` and experiments, ``studies.trust.tolerance``) are ``unbalanced``; no value: the
-run did not last, or a force has no potential.
+run did not last.
 """
 
 from vibrom.artefacts.outcome import Tally
