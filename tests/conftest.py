@@ -41,14 +41,27 @@ SLOW = (
     "workflow/test_tracking.py",
 )
 
+# The two halves of `make test` run beside each other: one compiles kernels first, the other runs
+# whole workflows last, which then find them compiled.
+FIRST = ("effects", "solvers")
+LAST = (
+    "workflow/test_fuzz_scenes.py",
+    "workflow/test_docs.py",
+    "workflow/test_faults.py",
+    "workflow/test_module.py",
+    "workflow/test_small_dag.py",
+)
+
 
 def pytest_collection_modifyitems(items):
     here = Path(__file__).parent
-    gone = [name for name in SLOW if not (here / name).exists()]
-    assert not gone, f"tests/conftest.py: SLOW names {gone}, which is not there"
-    for item in items:
-        if str(item.path.relative_to(here)).startswith(SLOW):
+    gone = [name for name in (*SLOW, *FIRST, *LAST) if not (here / name).exists()]
+    assert not gone, f"tests/conftest.py names {gone}, which is not there"
+    names = {item: str(item.path.relative_to(here)) for item in items}
+    for item, name in names.items():
+        if name.startswith(SLOW):
             item.add_marker(pytest.mark.slow)
+    items.sort(key=lambda item: names[item].startswith(LAST) - names[item].startswith(FIRST))
 
 
 @pytest.fixture

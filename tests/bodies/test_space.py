@@ -1,13 +1,12 @@
 """Where a body's points, boundaries and degrees of freedom are; a new body is one file."""
 
 import os
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from project_copy import ROOT
+from project_copy import ROOT, copy
 from scenes import LINEAR, THESIS, body
 
 from vibrom import effects
@@ -137,9 +136,7 @@ print(static.equilibrium(effects.assemble(made, scene.effects), 1.0)[made.probes
 
 def test_a_new_body_is_one_file(tmp_path):
     """It is softer than the square, of which it lacks a quarter."""
-    ignored = shutil.ignore_patterns("__pycache__")
-    for name in ("src", "config"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=ignored)
+    copy(tmp_path, "src")
     (tmp_path / "src/vibrom/bodies/angle.py").write_text(ANGLE)
     scene = (ROOT / "config/scenes/small.yaml").read_text()
     head, rest = scene.split("body:")[0], scene[scene.index("effects:") :]

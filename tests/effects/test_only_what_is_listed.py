@@ -4,7 +4,6 @@ none of its kernels compiled.
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +12,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 import yaml
+from project_copy import copy
 from scenes import BEAM, THESIS, quadratic_body
 
 from vibrom import effects
@@ -162,8 +162,7 @@ print(static.equilibrium(effects.assemble(made, scene.effects), 1000.0)[made.pro
 
 
 def test_a_new_effect_is_one_file_and_one_line(tmp_path):
-    shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copytree(ROOT / "config", tmp_path / "config")
+    copy(tmp_path, "src")
     (tmp_path / "src/vibrom/effects/quintic_spring.py").write_text(QUINTIC)
     body, strength = quadratic_body(cells=[4, 1], probes=TIP), 1e8
     scene = {

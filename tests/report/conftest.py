@@ -13,8 +13,11 @@ from vibrom.report.scores import Scores
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory):
-    """Two cases, three methods, two seeds; one training that diverges."""
-    return SmallRun(tmp_path_factory.mktemp("run"))
+    """Two cases, three methods, two seeds; one training that diverges. Nothing is timed again."""
+    with pytest.MonkeyPatch.context() as once:
+        once.setattr("vibrom.steps.ask.CALLS", 1)
+        once.setattr("vibrom.steps.fit.FITS", 1)
+        return SmallRun(tmp_path_factory.mktemp("run"))
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +12,7 @@ import pytest
 import two_dof_case
 import two_dofs
 import yaml
-from project_copy import command, copy
+from project_copy import copy, plan
 
 from vibrom.artefacts.data import save_dataset
 from vibrom.config.settings import load
@@ -136,8 +135,7 @@ for made in given["outputs"]:
 @pytest.fixture(scope="module")
 def project(tmp_path_factory):
     """A copy with the three files, and an overlay with the study's block."""
-    folder = copy(tmp_path_factory.mktemp("project"))
-    shutil.copytree(ROOT / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__"))
+    folder = copy(tmp_path_factory.mktemp("project"), "src")
     for name, text in FILES.items():
         (folder / "src/vibrom" / name).write_text(text.lstrip())
     block = {"scenes": ["folding"], "rtol": [1e-2, 1e-4, 1e-8]}
@@ -146,7 +144,7 @@ def project(tmp_path_factory):
 
 
 def test_its_jobs_table_and_figure_are_planned(project):
-    found = command(
+    found = plan(
         project,
         *("tolerances", "--dry-run", "--quiet", "rules", "--configfile", "more.yaml"),
         PYTHONPATH=str(project / "src"),

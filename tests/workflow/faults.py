@@ -173,6 +173,12 @@ def without_records(run: Run, chance: random.Random) -> None:
     some_results_are_gone(run, chance)
 
 
+def swapped_without_records(run: Run, chance: random.Random) -> None:
+    """Both at once."""
+    without_records(run, chance)
+    swapped(run, chance)
+
+
 FAULTS = {
     "kill -9": lambda run, chance: killed(run, chance, signal.SIGKILL),
     "SIGINT": lambda run, chance: killed(run, chance, signal.SIGINT),
@@ -184,6 +190,7 @@ FAULTS = {
     "clock set back": clock_back,
     "two at once": two_at_once,
     "no records": without_records,
+    "swapped, no records": swapped_without_records,
 }
 
 

@@ -2,7 +2,7 @@
 
 import re
 
-from project_copy import ROOT, command, copy
+from project_copy import ROOT, command, copy, plan
 
 
 class Run:
@@ -12,25 +12,23 @@ class Run:
         self.folder = copy(folder, "src")
         self.results = self.folder / "results"
 
-    def snakemake(self, *arguments, overlays=()):
+    def snakemake(self, *arguments, overlays=(), start=command):
         overlay = ROOT / "tests/workflow/small_dag.yaml"
-        return command(
-            self.folder,
-            *arguments,
-            "--configfile",
-            str(overlay),
-            *overlays,
-            PYTHONPATH=str(self.folder / "src"),
-        )
+        given = (*arguments, "--configfile", str(overlay), *overlays)
+        return start(self.folder, *given, PYTHONPATH=str(self.folder / "src"))
+
+    def plan(self, *arguments: str, overlays=()) -> str:
+        """What a dry run says."""
+        given = (*arguments, "--dry-run", "--quiet", "rules")
+        said = self.snakemake(*given, overlays=overlays, start=plan)
+        assert said.returncode == 0, said.stdout + said.stderr
+        return said.stdout + said.stderr
 
     def planned(self, *arguments: str, overlays=()) -> dict[str, int]:
         """Rule -> number of jobs that a run would start."""
-        plan = self.snakemake(*arguments, "--dry-run", "--quiet", "rules", overlays=overlays)
-        assert plan.returncode == 0, plan.stdout + plan.stderr
-        table = (plan.stdout + plan.stderr).partition("Job stats:")[2].partition("total")[0]
-        return {
-            name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE)
-        }
+        table = self.plan(*arguments, overlays=overlays).partition("Job stats:")[2]
+        found = re.findall(r"^(\w+) +(\d+)$", table.partition("total")[0], re.MULTILINE)
+        return {name: int(count) for name, count in found}
 
     def contents(self) -> dict:
         return {path: path.read_bytes() for path in self.results.rglob("*.nc")}

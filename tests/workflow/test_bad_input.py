@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from bad_entries import BAD
-from project_copy import change, command, copy
+from project_copy import change, command, copy, plan
 
 from vibrom.__main__ import check
 from vibrom.config.command_line import overlays
@@ -39,7 +39,7 @@ def answers(tmp_path_factory):
         finished.write_bytes(b"finished")
         file, key, value, _ = BAD[case]
         change(folder / file, key, value)
-        return command(folder, "--cores", "2"), finished.read_bytes()
+        return plan(folder, "--cores", "2"), finished.read_bytes()
 
     with ThreadPoolExecutor(2) as pool:
         return dict(zip(PROMISED, pool.map(ask, PROMISED), strict=True))
@@ -75,7 +75,7 @@ def test_a_broken_main_file(project, content, says):
 
 
 def test_the_command_line_is_blamed_for_its_values(project):
-    answer = command(project, "-n", "--config", "integrator={rtol: tight}")
+    answer = plan(project, "-n", "--config", "integrator={rtol: tight}")
     (line,) = answer_lines(answer)
     assert answer.returncode != 0
     assert line.startswith("vibrom: --config: integrator.rtol = 'tight' must be a number")
@@ -83,7 +83,7 @@ def test_the_command_line_is_blamed_for_its_values(project):
 
 def test_a_workflow_runs_its_own_package_or_none(project):
     (project / "src/vibrom").mkdir(parents=True)
-    (line,) = answer_lines(command(project, "-n"))
+    (line,) = answer_lines(plan(project, "-n"))
     assert line.startswith("vibrom: ") and "and not this checkout's" in line
 
 
@@ -100,7 +100,7 @@ DEEP = "a: " + "[" * 3000 + "]" * 3000
 )
 def test_an_overlay_that_snakemake_cannot_read_is_one_line(project, content, says):
     (project / "overlay.yaml").write_bytes(content)
-    answer = command(project, "-n", "--configfile", "overlay.yaml")
+    answer = plan(project, "-n", "--configfile", "overlay.yaml")
     assert answer.returncode == 1
     assert answer_lines(answer) == [f"vibrom: overlay.yaml: {says}"]
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from project_copy import ROOT, RUNS, command, copy
+from project_copy import ROOT, RUNS, command, copy, plan
 
 PAGES = {
     path.stem: path.read_text()
@@ -33,6 +33,7 @@ scenes: [folding, sprung, ruler]
 methods: [ssmlearn, ssmlearn_7, one_mode]
 experiments: [reconstruction, decay, frc, work, measured_response, measured_forcing]
 studies:
+  ablation: {scenes: [sprung]}
   cost: null
   robustness: null
   trust: null
@@ -226,7 +227,7 @@ def test_every_snakemake_command_that_is_shown_is_one(fresh, line):
     """As it is typed; without running jobs, as most take minutes."""
     words = shlex.split(line)[1:]
     quiet = ["--list"] if "--list" in words else [*words, "--dry-run", "--quiet"]
-    answer = command(fresh, *quiet, PYTHONPATH=str(fresh / "src"))
+    answer = plan(fresh, *quiet, PYTHONPATH=str(fresh / "src"))
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
 
 

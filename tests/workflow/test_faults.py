@@ -5,7 +5,7 @@
 
 from faults import Run, rounds
 
-SHORT = ["kill -9", "damaged", "swapped", "no records"]
+SHORT = ["kill -9", "damaged", "swapped, no records"]
 SMALLEST = "methods: [ssmlearn, modal_projection]\nexperiments: [decay]\n"
 
 

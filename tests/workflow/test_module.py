@@ -6,7 +6,7 @@ import shutil
 
 import pandas as pd
 import pytest
-from project_copy import ROOT, command
+from project_copy import ROOT, command, plan
 
 PATHS = {"PYTHONPATH": str(ROOT / "src")}
 CONFIG = """
@@ -53,7 +53,7 @@ def test_another_workflow_runs_this_one_under_other_names(tmp_path):
 def test_names_and_places_may_be_kept_or_changed(tmp_path, more, renamed, place):
     folder = project(tmp_path, more, renamed)
     target = "beam_scores" if renamed else "scores"
-    answer = command(folder, "--cores", "1", "-n", target, **PATHS)
+    answer = plan(folder, "--cores", "1", "-n", target, **PATHS)
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
     assert place in answer.stdout
 
@@ -64,19 +64,19 @@ def test_a_project_has_its_own_configuration(tmp_path):
     os.mkdir(folder / "config")
     own = (ROOT / "config/config.yaml").read_text()
     (folder / "config/config.yaml").write_text(own)
-    answer = command(folder, "--cores", "1", "-n", "scores", **PATHS)
+    answer = plan(folder, "--cores", "1", "-n", "scores", **PATHS)
     assert answer.returncode != 0
     assert "vibrom: config of the module: scenes[0] = 'folding'" in answer.stderr
     for name in ("scenes", "methods"):
         shutil.copytree(ROOT / "config" / name, folder / "config" / name)
-    answer = command(folder, "--cores", "1", "-n", "scores", **PATHS)
+    answer = plan(folder, "--cores", "1", "-n", "scores", **PATHS)
     assert answer.returncode == 0, answer.stderr
 
 
 def test_results_may_lie_in_another_folder(tmp_path):
     """`--directory`: the configuration that is here, results there."""
     (tmp_path / "mine.yaml").write_text("scenes: [small]\n")
-    answer = command(
+    answer = plan(
         ROOT, "--cores", "1", "-n", "--quiet", "--directory", str(tmp_path), "scores", **PATHS
     )
     assert answer.returncode == 0, answer.stdout + answer.stderr

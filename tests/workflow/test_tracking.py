@@ -166,6 +166,10 @@ def test_what_cannot_be_served_is_one_line(store, tmp_path, capsys):
     assert capsys.readouterr().out == ""  # no address of a stranger's server
 
 
+# A server starts eight more processes for work that nobody asks of it here.
+WITHOUT_JOBS = os.environ | {"MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
+
+
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
     """A tracking server on the loopback."""
@@ -175,7 +179,7 @@ def server(tmp_path_factory):
         port = probe.getsockname()[1]
     command = [sys.executable, "-m", "mlflow", "server", "--host", "127.0.0.1", "--port", str(port)]
     command += ["--backend-store-uri", "sqlite:///server.db", "--workers", "1"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": WITHOUT_JOBS}
     process = subprocess.Popen(command, cwd=folder, start_new_session=True, **quiet)
     try:
         for _ in range(240):
