@@ -7,13 +7,14 @@
 # make cluster     the small run through a Slurm of one node (as root, with Debian's slurm-wlm, munge)
 # make audit   environment, then the pinned packages against known weaknesses, by PyPI itself
 # make ui      compare the runs of results/ (or: make ui RESULTS=folder PORT=5050)
+# make paper       the report page printed by the browser that is here: results/report.pdf
 PYTHON ?= python3
 CORES ?= 2
 PORT ?= 5000
 RESULTS ?= results
 BIN := .venv/bin
 
-.PHONY: run env environment static check test test-workflow test-parts ui docs report lock bench reproduce cluster audit
+.PHONY: run env environment static check test test-workflow test-parts ui paper docs report lock bench reproduce cluster audit
 
 run: environment
 	$(BIN)/snakemake --cores $(CORES)
@@ -51,6 +52,9 @@ test-parts:
 
 ui: environment
 	@$(BIN)/python -m vibrom.tracking $(RESULTS)/mlflow.db $(PORT)
+
+paper: environment
+	@$(BIN)/python -m vibrom.report.paper $(RESULTS)/report.html $(RESULTS)/report.pdf
 
 # Pages that open from disk; nothing is fetched.
 docs: environment

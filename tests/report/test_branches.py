@@ -7,7 +7,7 @@ import xarray as xr
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Tally
 from vibrom.report import answer as answered
-from vibrom.report import headline, tables
+from vibrom.report import headline, sentences, tables
 from vibrom.report.branches import landmark, scenes
 from vibrom.report.collection import Collection, Key
 from vibrom.report.scores import Score, Scores
@@ -140,8 +140,8 @@ def test_seeds_with_the_folds_of_the_full_order_are_counted(collection, scores):
 
 
 def test_the_answer_says_who_knows_that_two_motions_are_possible(collection, scores):
-    (said,) = answered.of(collection, scores).sentences[1:]
+    *_, said = sentences.remarks(answered.of(collection, scores), collection)
     assert said == (
-        "In folding two motions are possible between the folds of the full order: SPLIT in 1 of 2 "
+        "In folding the full order has two motions between its folds; with folds: SPLIT in 1 of 2 "
         "seeds."
     )

@@ -1,22 +1,25 @@
 """The page in a browser: nothing is fetched, nothing complains, every control does what it says."""
 
+import html
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-BROWSER = next(filter(None, map(shutil.which, NAMES)), None)
+from vibrom.report import paper
+
 pytestmark = pytest.mark.skipif(
-    BROWSER is None, reason=f"no browser to open the page in: none of {', '.join(NAMES)}"
+    paper.browser() is None, reason=f"no browser to open the page in: none of {paper.NAMES}"
 )
 TRIES = 3
 # Put before and behind the page's own scripts; what was seen stands in the page at the end.
 LISTEN = f"<script>{(Path(__file__).parent / 'listen.js').read_text()}</script>"
 ACT = f"<script>{(Path(__file__).parent / 'act.js').read_text()}</script>"
+PAPER = 718  # [px] a page of A4 without its margins
+# The small run has as many figures as a whole one, half the scenes and a quarter of the methods. A
+# whole run may have 25.
+PAGES = 14
 
 
 def opened(page: str, folder, width: int) -> dict:
@@ -24,16 +27,12 @@ def opened(page: str, folder, width: int) -> dict:
     copy = folder / "page.html"
     text = page.replace("<head>", "<head>" + LISTEN, 1).replace("</body>", ACT + "</body>")
     copy.write_text(text, encoding="utf-8")
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run"]
-    options += [f"--user-data-dir={folder / 'profile'}", f"--window-size={width},900"]
-    options += ["--virtual-time-budget=120000", "--dump-dom", copy.as_uri()]
     # On a busy machine the browser's own time may run out before all plots are drawn.
     for _ in range(TRIES):
-        answer = subprocess.run([BROWSER, *options], capture_output=True, text=True, timeout=240)
+        answer = paper.opened(copy, f"--window-size={width},900", "--dump-dom")
         found = re.search('<pre id="seen">(.*?)</pre>', answer.stdout, re.DOTALL)
         assert found, answer.stderr[-2000:]
-        text = found[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
-        seen = json.loads(text)
+        seen = json.loads(html.unescape(found[1]))
         if seen.get("panels") == seen.get("drawn"):
             break
     return seen
@@ -86,3 +85,11 @@ def test_the_beam_moves_with_the_slider(seen):
 def test_the_page_is_no_wider_than_the_window(page, seen, width, tmp_path):
     found = seen if width == 1400 else opened(page, tmp_path, width)
     assert found["wide"] <= 0
+
+
+def test_paper_has_few_pages_and_no_table_is_cut(page, tmp_path):
+    on_paper = page.replace("@media print", "@media all")
+    assert on_paper != page and opened(on_paper, tmp_path, PAPER)["wide"] <= 0
+    (tmp_path / "page.html").write_text(page, encoding="utf-8")
+    count = paper.printed(tmp_path / "page.html", tmp_path / "page.pdf")
+    assert 5 < count <= PAGES

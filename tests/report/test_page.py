@@ -15,12 +15,13 @@ from written import EXPERIMENTS, PLUGS, TABLES
 
 from vibrom.artefacts.outcome import Tally
 from vibrom.models.measures import nmte_percent
-from vibrom.report import answer, failures, outputs, tables
+from vibrom.report import answer, failures, outputs, sentences, tables
 from vibrom.report import headline as numbers
 from vibrom.report.columns import number
 from vibrom.report.page import HEAVY, image
 from vibrom.report.scores import Scores
 from vibrom.report.table import Table
+from vibrom.thesis.labels import label
 
 
 class Reader(HTMLParser):
@@ -96,9 +97,17 @@ def test_the_answer_is_made_of_the_numbers(page, real):
     best = min(medians, key=medians.get)
     assert [m for m in real.methods if found.cells["large", m, "decay"].best] == [best]
     assert found.cells["large", best, "decay"].text == number(medians[best], 3)
-    assert len(found.sentences) == 3 and all(escape(text) in page for text in found.sentences)
-    assert found.hardest in found.sentences[0] and "as fast as the full order" in found.sentences[1]
-    assert found.sentences[2].startswith("Within 5 % small needs")
+    said, more = sentences.of(found), sentences.remarks(found, real)
+    assert len(said) == 2 and all(escape(text) in page for text in (*said, *more))
+    assert found.hardest in said[0] and "as fast as the full order" in said[1]
+    assert said[1].startswith(f"{label(lowest(found))} is ready after ")
+    assert more[-1].startswith("Within 5 % small needs")
+
+
+def lowest(found):
+    """The method with the least error of the decay in the hardest case."""
+    cells = {method: found.cells[found.hardest, method, "decay"].value for method in found.methods}
+    return min(cells, key=cells.get)
 
 
 def test_the_page_shows_the_failures_and_what_made_it(page):

@@ -9,27 +9,27 @@ import gzip
 import io
 import json
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.resources import files
 from types import ModuleType
 from typing import Any
 
-import pandas as pd
 from markupsafe import Markup
 from PIL import Image
 
-from vibrom.report import answer, differences, motion, outputs, plots
+from vibrom.report import answer, differences, motion, outputs, plots, sentences
 from vibrom.report.collection import FULL_ORDER, Collection, scalar
-from vibrom.report.columns import number
+from vibrom.report.columns import METHOD, Column, number
 from vibrom.report.outputs import Caption
 from vibrom.report.scores import Scores
-from vibrom.report.table import Table, render, resource, to_html
+from vibrom.report.table import Table, printed, render, resource, table, to_html
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
 HEAVY = 200_000  # bytes: a drawing above this goes in as pixels
 COLOURS = 64  # of such pixels
+NARROW = 135  # characters of a line of a table that fits half a page of paper, two a column more
 SECTIONS = {  # a family of figures and tables, or a template -> title
     "cost": "Accuracy and cost",
     "motion": "The beam moves",
@@ -45,6 +45,7 @@ LAST = {
 }
 TEMPLATES = ("motion", *LAST)
 SCRIPTS = ("plots.js", "motion.js", "tables.js")
+MADE_BY = (METHOD, Column("artefact", "Artefact"), Column("source_digest", "Source digest"))
 # Paths of the markers of the legend, about their middle.
 MARKERS = {
     "o": "M-3.4 0a3.4 3.4 0 1 0 6.8 0a3.4 3.4 0 1 0 -6.8 0z",
@@ -83,9 +84,10 @@ def fewer_colours(png: bytes) -> bytes:
     return made.getvalue()
 
 
-def plain(frame: pd.DataFrame) -> Markup:
-    """A table of text cells."""
-    return Markup(frame.to_html(index=False, border=0, classes="data", escape=True, justify="left"))
+def narrow(one: Table) -> bool:
+    """Does it stand in two columns on paper?"""
+    columns = zip(*one.printed.lines)
+    return sum(2 + max(map(len, column)) for column in columns) <= NARROW
 
 
 def data_block(values: Any) -> Markup:
@@ -94,7 +96,7 @@ def data_block(values: Any) -> Markup:
     return Markup(text.replace("</", "<\\/"))
 
 
-def sources(collection: Collection) -> tuple[pd.DataFrame, dict[str, str], dict[str, Any]]:
+def sources(collection: Collection) -> tuple[Table, dict[str, str], dict[str, Any]]:
     """Source digests of the artefacts behind the report, the versions of all packages that made
     them, and the hardware of the studies.
     """
@@ -104,14 +106,17 @@ def sources(collection: Collection) -> tuple[pd.DataFrame, dict[str, str], dict[
         dataset = next(iter(collection.every(scene, model, name)), None)
         if dataset is not None:
             digest = str(scalar(dataset, "source_digest", "unknown"))
-            rows.append((label(model), name, digest))
+            rows.append({"method": model, "artefact": name, "source_digest": digest})
             versions |= json.loads(str(scalar(dataset, "versions", "{}")))
     for key in collection.loaders:
         if key.name in outputs.families() and not hardware:
             dataset = collection.find(*key[:2], key.name, key.seed)
             hardware = json.loads(str(scalar(dataset, "hardware", "{}")))
-    frame = pd.DataFrame(rows, columns=["Model", "Artefact", "Source digest"])
-    return frame, dict(sorted(versions.items())), hardware
+    return (
+        table("digests", MADE_BY, rows, partial(printed, marked=lambda row: "")),
+        dict(sorted(versions.items())),
+        hardware,
+    )
 
 
 def swatch(look: Mapping[str, Any]) -> dict[str, str]:
@@ -158,10 +163,11 @@ class Figures:
             }
         else:
             made["images"] = [
-                {"address": image(formats), "seen": self.seen(module, plug, scene)}
+                {"address": image(formats), "seen": self.seen(module, plug, scene), "of": scene}
                 for scene, formats in drawn.items()
             ]
-        return made | {"links": self.links(plug, list(drawn))}
+        half = len(made.get("panels", [])) <= 2 and len(made["images"]) <= 1  # of a page of paper
+        return made | {"half": half, "links": self.links(plug, list(drawn))}
 
     def seen(self, module: ModuleType, plug: str, scene: str | None) -> str:
         """The drawing in words, from its numbers where its file says them."""
@@ -221,6 +227,7 @@ def compose(
     `tables/<name>` and `figures/<plug>`.
     """
     digests, versions, hardware = sources(collection)
+    headline = answer.of(collection, scores)
     drawn: dict[str, dict[str | None, dict[str, bytes]]] = {}
     for name, formats in figures.items():
         plug, scene = outputs.drawing(name, collection.scenes)
@@ -231,17 +238,20 @@ def compose(
     ]
     listed = [
         {
-            "name": table.name,
-            "caption": captions[f"tables/{table.name}"],
-            "html": to_html(table),
-            "family": outputs.family("tables", table.name),
-            "link": f"tables/{table.name}.csv",
+            "name": one.name,
+            "caption": captions[f"tables/{one.name}"],
+            "html": to_html(one),
+            "narrow": narrow(one),
+            "family": outputs.family("tables", one.name),
+            "link": f"tables/{one.name}.csv",
         }
-        for table in tables
+        for one in tables
     ]
     return render(
         "page.html.j2",
-        answer=answer.of(collection, scores),
+        answer=headline,
+        sentences=sentences.of(headline),
+        remarks=sentences.remarks(headline, collection),
         seeds=len({key.seed for key in collection.loaders} - {None}),
         methods=[(name, label(name), swatch(made.looks[name])) for name in collection.methods],
         sections=sections(blocks, listed),
@@ -251,7 +261,7 @@ def compose(
         scripts=[Markup(resource(name)) for name in SCRIPTS],
         differences=differences.points(collection, scores),
         failures=to_html(failures) if failures.rows else None,
-        digests=plain(digests),
+        digests=to_html(digests),
         hardware=hardware,
         versions=versions | json.loads(provenance.get("versions", "{}")),
         digest=provenance.get("source_digest", "unknown"),

@@ -116,7 +116,7 @@
   modelBox.addEventListener("change", show);
   slider.addEventListener("input", () => { run(false); show(); });
   play.addEventListener("click", () => run(!timer));
-  addEventListener("resize", show);
+  for (const change of ["resize", "beforeprint", "afterprint"]) addEventListener(change, show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
   document.addEventListener("method", event => {
     if (scene.models.some(model => model.method === event.detail)) { modelBox.value = event.detail; show(); }

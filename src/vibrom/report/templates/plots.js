@@ -37,8 +37,8 @@ const Plots = (() => {
     const parts = [1, 3, 5].map(at => Math.round(0.62 * parseInt(colour.slice(at, at + 2), 16) + 0.38 * 255));
     return `rgb(${parts.join(",")})`;
   }
-  let printing = false;
-  const dark = () => !printing && matchMedia("(prefers-color-scheme: dark)").matches;
+  const page = document.documentElement, printing = () => "printing" in page.dataset; // light, whatever the screen is
+  const dark = () => !printing() && matchMedia("(prefers-color-scheme: dark)").matches;
 
   function coloured(trace) {
     const copy = { ...trace, showlegend: false, visible: shown(trace) };
@@ -78,10 +78,10 @@ const Plots = (() => {
     };
   }
 
-  const PRINTED = { width: 232, height: 190, autosize: false }; // [px] three panels across a page
+  const PRINTED = { width: 264, height: 235, autosize: false }; // [px] four panels across a page, which shrinks them
   function draw(node) {
     const figure = figureOf(node);
-    const size = printing ? PRINTED : { width: undefined, autosize: true };
+    const size = printing() ? PRINTED : { width: undefined, autosize: true };
     const config = { responsive: true, displaylogo: false, displayModeBar: false, showTips: false };
     node.dataset.drawn = "yes";
     return Plotly.react(node, figure.data.map(coloured), { ...layout(figure, state.linear.has(node.dataset.plot)), ...size }, config);
@@ -140,8 +140,8 @@ const Plots = (() => {
   document.querySelectorAll("button.scale").forEach(button => button.addEventListener("click", () => scale(button)));
   document.querySelectorAll("button.csv").forEach(button => button.addEventListener("click", () => save(button.dataset.plot)));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-  addEventListener("beforeprint", () => { printing = true; panels.forEach(draw); });
-  addEventListener("afterprint", () => { printing = false; redraw(); });
+  addEventListener("beforeprint", () => { page.dataset.printing = "yes"; panels.forEach(draw); });
+  addEventListener("afterprint", () => { delete page.dataset.printing; redraw(); });
   start();
   return { alone, csv, state };
 })();
