@@ -4,18 +4,41 @@
 #   tests/cluster/slurm.sh start FOLDER     keys, logs and state go to FOLDER
 #   tests/cluster/slurm.sh stop FOLDER
 # Snakemake's plugin submits with an environment of its own, so the configuration lies where Slurm
-# looks first. One that is there already is not touched.
+# looks first. One that is there already, and is not this script's, is not touched. The node has one
+# GPU in name, so that jobs may ask for it. No limit of time is short: a busy machine is slow.
 set -eu
 action=${1:?start or stop}
 folder=${2:?a folder for keys, logs and state}
 node=$(hostname -s)
 conf=/etc/slurm/slurm.conf
+
+ours() {
+    grep -q "^ClusterName=vibrom" "$conf" 2> /dev/null
+}
+
+# The daemons of FOLDER with all that they run, and their configuration.
+stop() {
+    ours && scancel --quiet --partition=all 2> /dev/null || true
+    for name in slurmd slurmctld munged; do
+        pid=$(cat "$1/$name.pid" 2> /dev/null) || continue
+        grep -q "$name" "/proc/$pid/cmdline" 2> /dev/null || continue
+        kill "$pid" 2> /dev/null || true
+        for _ in $(seq 60); do
+            kill -0 "$pid" 2> /dev/null || break
+            sleep 0.5
+        done
+    done
+    if ours; then rm -f "$conf" /etc/slurm/gres.conf; fi
+}
+
 case $action in
 start)
-    if [ -f "$conf" ] && ! grep -q "^ClusterName=vibrom" "$conf"; then
+    if [ -f "$conf" ] && ! ours; then
         echo "$conf is there already, and not this script's: this machine has a Slurm" >&2
         exit 1
     fi
+    # What an interrupted run left would hold the ports.
+    if ours; then stop "$(sed -n 's/^StateSaveLocation=\(.*\)\/state$/\1/p' "$conf")"; fi
     mkdir -p "$folder/state" "$folder/spool" /etc/slurm
     chmod 755 "$folder"
     [ -f "$folder/munge.key" ] || { head -c 1024 /dev/urandom > "$folder/munge.key"; chmod 400 "$folder/munge.key"; }
@@ -41,26 +64,31 @@ ReturnToService=2
 MpiDefault=none
 AccountingStorageType=accounting_storage/none
 JobAcctGatherType=jobacct_gather/none
-MinJobAge=300
-NodeName=$node NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk '/^Mem/ { print int($2 * 0.95) }') State=UNKNOWN
+MinJobAge=3600
+MessageTimeout=100
+TCPTimeout=60
+SlurmdTimeout=0
+BatchStartTimeout=600
+UnkillableStepTimeout=600
+GresTypes=gpu
+NodeName=$node NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk '/^Mem/ { print int($2 * 0.95) }') Gres=gpu:1 State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
+    echo "NodeName=$node Name=gpu File=/dev/zero" > /etc/slurm/gres.conf
     munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
         --pid-file="$folder/munged.pid" --log-file="$folder/munged.log" --seed-file="$folder/munged.seed"
     slurmctld -c
     slurmd
-    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
-        sinfo -h -o %T | grep -q idle && exit 0
+    for _ in $(seq 300); do
+        # `idle*` would be a node that does not answer.
+        sinfo -h -o %T 2> /dev/null | grep -qx idle && exit 0
         sleep 1
     done
-    echo "the node does not come up; see $folder/slurmd.log" >&2
+    echo "the node does not come up; see $folder/slurmctld.log and slurmd.log" >&2
     exit 1
     ;;
 stop)
-    for name in slurmd slurmctld munged; do
-        kill "$(cat "$folder/$name.pid")" 2> /dev/null || true
-    done
-    grep -q "^ClusterName=vibrom" "$conf" 2> /dev/null && rm -f "$conf"
+    stop "$folder"
     ;;
 *)
     echo "$action: start or stop" >&2

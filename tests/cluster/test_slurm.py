@@ -13,16 +13,23 @@ import sys
 import time
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from faults import tables
 from miniature import Run
-from project_copy import ROOT
+from project_copy import ROOT, change
 
 SCRIPT = Path(__file__).with_name("slurm.sh")
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel")
-LIMIT = 3600  # s, of the whole run
+STALLED = 1800  # s without a sign of progress; how long the whole takes depends on the machine
 BY_TIMES = {"break_even", "cheapest", "run_times"}  # tables whose rows are chosen by wall times
+ASKS = {"threads": 2, "runtime": 30}  # for its fit, in the file of a method
+# Notes what Slurm is asked for.
+SBATCH = """#!/bin/sh
+printf '%s\\n' "$*" >> {log}
+exec {program} $SBATCH_TEST "$@"
+"""
 
 
 def missing() -> str:
@@ -47,64 +54,132 @@ def slurm(tmp_path_factory):
     subprocess.run(["sh", SCRIPT, "stop", folder], check=True)
 
 
-def queue(form: str) -> list[str]:
-    """A line a running job."""
-    command = ["squeue", "--noheader", "--states=RUNNING", "--format", form]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+def running() -> list[str]:
+    """Numbers of jobs; none where the controller is too busy to say."""
+    command = ["squeue", "--noheader", "--states=RUNNING", "--format", "%A"]
+    return subprocess.run(command, capture_output=True, text=True).stdout.split()
+
+
+def asking(folder) -> Run:
+    """A copy of the workflow in which a method asks for resources of its own."""
+    made = Run(folder)
+    change(made.folder / "config/methods/modal_projection.yaml", "resources", ASKS)
+    return made
+
+
+class Submitted(NamedTuple):
+    """A run through Slurm."""
+
+    made: Run
+    line: list[str]
+    environment: dict[str, str]
+    calls: Path  # a line for each call of sbatch
+
+    def asked(self, rule: str, option: str) -> set[str]:
+        """The values of an option of sbatch, for the jobs of a rule or group."""
+        lines = [text for text in self.calls.read_text().splitlines() if f"rule_{rule}" in text]
+        assert lines, rule
+        found = [re.search(rf"{option}[ =](\S+)", text) for text in lines]
+        return {one[1] for one in found if one}
 
 
 @pytest.fixture(scope="module")
-def cluster(slurm, tmp_path_factory):
-    """A run through Slurm, what it printed, the memory that jobs asked for, and who was killed."""
-    made = Run(tmp_path_factory.mktemp("cluster"))
+def submitted(slurm, tmp_path_factory):
+    """Ready to run."""
+    made = asking(tmp_path_factory.mktemp("cluster"))
     line = [str(Path(sys.executable).with_name("snakemake")), "--workflow-profile"]
     # A copy, as jobs read it long after the run began.
     overlay = shutil.copy(ROOT / "tests/workflow/small_dag.yaml", made.folder)
     line += ["profiles/slurm", "--configfile", str(overlay)]
-    log, asked, killed = made.folder / "printed", set(), None
-    began = time.monotonic()
+    calls, programs = made.folder / "calls", made.folder / "bin"
+    programs.mkdir()
+    text = SBATCH.format(log=calls, program=shutil.which("sbatch"))
+    (programs / "sbatch").write_text(text)
+    (programs / "sbatch").chmod(0o755)
+    known = [str(made.folder / "src"), os.environ.get("PYTHONPATH", "")]
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(filter(None, known)),
+        "PATH": f"{programs}:{os.environ['PATH']}",
+        "SBATCH_TEST": "",
+    }
+    return Submitted(made, line, environment, calls)
+
+
+@pytest.fixture(scope="module")
+def cluster(submitted):
+    """What the whole run printed, and which job was killed."""
+    made, log, killed = submitted.made, submitted.made.folder / "printed", None
+    seen, since, before = None, time.monotonic(), set()
     with log.open("w") as printed:
-        known = [str(made.folder / "src"), os.environ.get("PYTHONPATH", "")]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, known))}
-        run = subprocess.Popen(
-            line, cwd=made.folder, env=environment, stdout=printed, stderr=printed
-        )
+        both = {"stdout": printed, "stderr": printed}
+        run = subprocess.Popen(submitted.line, cwd=made.folder, env=submitted.environment, **both)
         try:
-            while run.poll() is None and time.monotonic() - began < LIMIT:
-                asked |= set(queue("%m"))
-                if killed is None and (made.results / "folding/full_order/train.nc").exists():
-                    for job in queue("%A")[:1]:
-                        subprocess.run(["scancel", "--signal=KILL", job], check=True)
-                        killed = job
+            while run.poll() is None and time.monotonic() - since < STALLED:
+                now = set(running())
+                sign = log.stat().st_size, len(list(made.results.rglob("*"))), now
+                if sign != seen:
+                    seen, since = sign, time.monotonic()
+                # One that has just begun: it takes seconds to start.
+                begun = now - before
+                if not killed and begun and (made.results / "folding/full_order/train.nc").exists():
+                    job = min(begun)
+                    done = subprocess.run(["scancel", "--signal=KILL", job])
+                    killed = job if done.returncode == 0 else None
+                before = now
                 time.sleep(1.0)
         finally:
             if run.poll() is None:
                 run.send_signal(signal.SIGINT)
-                run.wait(60)
+                run.wait()
     text = log.read_text()
     assert run.returncode == 0, text[-6000:]
-    return made, text, asked, killed
+    return text, killed
 
 
-def test_a_killed_job_is_submitted_again_and_the_run_ends_well(cluster):
-    made, printed, _, killed = cluster
+def test_a_killed_job_is_submitted_again_and_the_run_ends_well(submitted, cluster):
+    printed, killed = cluster
     assert killed is not None and f"SLURM jobid {killed} " in printed
     assert "Trying to restart job" in printed
-    assert (made.results / "report.html").exists()
+    assert (submitted.made.results / "report.html").exists()
 
 
-def test_memory_comes_from_the_rules_and_small_jobs_go_together(cluster):
-    made, printed, asked, _ = cluster
-    assert {int(re.match(r"\d+", memory)[0]) for memory in asked} <= {*range(700, 1700)}
-    jobs = len(list((made.folder / "results/logs").rglob("*.log")))
-    submitted = printed.count("has been submitted with SLURM jobid")
-    assert 0 < submitted < 0.6 * jobs
+def test_memory_time_and_threads_come_from_the_rules(submitted, cluster):
+    assert {int(size) for size in submitted.asked("", "--mem")} <= {*range(700, 1700)}
+    assert submitted.asked("fit_modal_projection", "-t") == {str(ASKS["runtime"])}
+    assert submitted.asked("fit_modal_projection", "--cpus-per-task") == {str(ASKS["threads"])}
+    assert submitted.asked("fit_ssmlearn", "-t") == {"60"}  # minutes, of the profile
+    assert submitted.asked("fit_ssmlearn", "--cpus-per-task") == {"1"}
+    assert submitted.asked("fit_ssmlearn", "--gpus") == set()
 
 
-def test_the_tables_are_those_of_a_local_run(cluster, tmp_path):
-    made, local = cluster[0], Run(tmp_path)
-    answer = local.snakemake("--cores", "2")
-    assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
+def test_small_jobs_go_together(submitted, cluster):
+    jobs = len(list((submitted.made.folder / "results/logs").rglob("*.log")))
+    count = cluster[0].count("has been submitted with SLURM jobid")
+    assert 0 < count < 0.6 * jobs
+
+
+def test_a_fit_on_a_gpu_asks_for_one(submitted, cluster):
+    """Slurm, whose node has one in name, says when it would start, and starts nothing."""
+    target = "results/folding/split/seed_0/rom.nc"
+    run = subprocess.run(
+        [*submitted.line, "--config", "device=cuda", "--", target],
+        cwd=submitted.made.folder,
+        env=submitted.environment | {"SBATCH_TEST": "--test-only"},
+        capture_output=True,
+        text=True,
+    )
+    assert submitted.asked("fit_split_", "--gpus") == {"1"}
+    assert re.search(r"Job \d+ to start at", run.stdout + run.stderr), run.stdout + run.stderr
+
+
+def test_the_tables_are_those_of_a_local_run(submitted, cluster, tmp_path):
+    made, local = submitted.made, asking(tmp_path)
+    with (tmp_path / "printed").open("w") as printed:
+        both = {"stdout": printed, "stderr": printed}
+        line = [submitted.line[0], "--cores", "2", *submitted.line[3:]]
+        known = submitted.environment | {"PYTHONPATH": str(local.folder / "src")}
+        answer = subprocess.run(line, cwd=local.folder, env=known, **both)
+    assert answer.returncode == 0, (tmp_path / "printed").read_text()[-6000:]
     ours, theirs = tables(made.results), tables(local.results)
     assert ours.keys() == theirs.keys() and len(ours) > 10
     for name in ours.keys() - BY_TIMES:
