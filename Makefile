@@ -39,9 +39,10 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# In two halves at once, on a core each; what a half has to say is shown when it ends.
-test: static
-	@$(MAKE) --no-print-directory --output-sync=target -j 2 test-workflow test-parts
+# On two cores: the checks and one half of the tests, beside the other half. What each has to say is
+# shown when it ends.
+test: environment
+	@$(MAKE) --no-print-directory --output-sync=target -j 2 test-workflow static test-parts
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 test-workflow:

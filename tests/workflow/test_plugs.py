@@ -15,6 +15,8 @@ from vibrom.config.errors import ConfigError, SettingsError
 ALL = [(folder, name) for folder in plugs.PLUGS for name in plugs.names(folder)]
 FORGETFUL = [
     source.tree,
+    source.is_package,
+    source.is_module,
     source._lines,
     plugs.names,
     plugs.names_of,

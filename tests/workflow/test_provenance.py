@@ -12,6 +12,8 @@ from vibrom.config import plugs, source
 
 CACHED = [
     source.tree,
+    source.is_package,
+    source.is_module,
     plugs.names,
     plugs.names_of,
     plugs.class_of,

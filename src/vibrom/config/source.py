@@ -8,11 +8,13 @@ PACKAGE = Path(__file__).parent.parent
 DOCUMENTED = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
+@cache
 def is_package(module: str) -> bool:
     """Is this full name that of a folder with an `__init__.py`?"""
     return PACKAGE.joinpath(*module.split(".")[1:], "__init__.py").is_file()
 
 
+@cache
 def is_module(module: str) -> bool:
     """Is there source for this full name, a package's or a module's?"""
     return module.split(".")[0] == "vibrom" and (
