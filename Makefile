@@ -39,10 +39,10 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# On two cores: the checks and one half of the tests, beside the other half. What each has to say is
-# shown when it ends.
+# Two halves of the tests beside each other, and the checks beside the half that takes longer. What
+# each has to say is shown when it ends.
 test: environment
-	@$(MAKE) --no-print-directory --output-sync=target -j 2 test-workflow static test-parts
+	@$(MAKE) --no-print-directory --output-sync=target -kj 2 test-workflow test-parts static
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 test-workflow:

@@ -43,7 +43,7 @@ SLOW = (
 
 # The two halves of `make test` run beside each other: one compiles kernels first, the other runs
 # whole workflows last, which then find them compiled.
-FIRST = ("effects", "solvers")
+FIRST = ("effects", "models", "solvers")
 LAST = (
     "workflow/test_fuzz_scenes.py",
     "workflow/test_docs.py",

@@ -83,7 +83,7 @@ def tables(results: Path) -> dict[str, list]:
 
 def some_results_are_gone(run: Run, chance: random.Random) -> None:
     """So that there is something to be done: what all others lead to is gone too."""
-    chosen = [path for path in run.artefacts() if chance.random() < 0.3]
+    chosen = [path for path in run.artefacts() if chance.random() < 0.15]
     for path in [*chosen, run.results / "scores.csv", *run.results.glob("tables/*.csv")]:
         path.unlink(missing_ok=True)
 
