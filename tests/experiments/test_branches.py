@@ -249,3 +249,22 @@ def test_models_without_compiled_code_answer_too(models, branches):
     few = dataclasses.replace(branches, points=6)
     one, other = (few.ask(item, two_dofs.given()) for item in (models[1], model))
     np.testing.assert_allclose(one["maximum"].values, other["maximum"].values, rtol=1e-6)
+
+
+def test_harmonic_balance_gives_a_second_opinion_of_the_full_order(answers, branches, models):
+    """Where something happens, and at the peak: folds and peak of the steps, to what these are off
+    by, (omega h)^2/24 in frequency, T/400.
+    """
+    truth, _ = answers
+    asked = dataclasses.replace(branches, method="harmonic_balance", harmonics=9, resonances=0)
+    answer = asked.ask(models[0], two_dofs.given())
+    asked_of = answer["balanced_harmonics"].values == 9
+    special = answer["kind"].values != "regular"
+    assert (asked_of >= special).all() and asked_of.sum() <= special.sum() + 1
+    shot, balanced = (answer[name].values for name in ("angular_frequency", "balanced_frequency"))
+    np.testing.assert_allclose(balanced[asked_of], shot[asked_of], rtol=5e-5)
+    shot, balanced = (answer[name].values[0] for name in ("maximum", "balanced_maximum"))
+    np.testing.assert_allclose(balanced[asked_of], shot[asked_of], rtol=2e-4)
+    assert np.nanmax(balanced) == pytest.approx(truth["maximum"].values[0].max(), rel=2e-4)
+    assert answer["balanced_missed"].values[asked_of].max() < 1e-6
+    assert np.isnan(answer["balanced_frequency"].values[~asked_of]).all()

@@ -8,6 +8,7 @@ Nonlinear Dynamics (1995), chapters 3, 6.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -41,7 +42,7 @@ class Branches(Experiment):
     sweeps: Whole = 0  # frequencies of sweeps up and down that are asked for isolas
     periods: Count = 60  # at each frequency of these sweeps
     # how motions of reduced models are found; those of the full order are always shot, by its own
-    # steps
+    # steps, and harmonic balance is a second opinion of the highest, of folds and of ends
     method: Literal["shooting", "harmonic_balance"] = "shooting"
     harmonics: Count = 15  # the highest one that is balanced
 
@@ -67,9 +68,11 @@ class Branches(Experiment):
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Every periodic motion that was found, one a row, branch after branch."""
         flow, scale, forcing = model.return_map(), model.frequency, float(self.forcing)
-        balanced = None
+        balanced, second = None, None
         if self.method == "harmonic_balance" and isinstance(flow, FlowMap):
             balanced = HarmonicBalance(flow, self.harmonics)
+        elif self.method == "harmonic_balance":
+            second = partial(flow.opinion, harmonics=self.harmonics)
         span = Span(self.lowest * scale, self.highest * scale, self.points, self.minor * scale)
         grid = np.linspace(self.lowest, self.highest, self.frequencies) * scale
 
@@ -89,7 +92,7 @@ class Branches(Experiment):
             scale = 0.1 * (span.highest - span.lowest)
             pace = Pace(scale, turn=self.turn, newton=flow.free, heard=heard)
             curve = in_frequency(balanced or flow, forcing)
-            return motions(curve, span, pace, grid, given.probe, near)
+            return motions(curve, span, pace, grid, given.probe, near, second)
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """Where and how high the curve folds and peaks, and how far its branches are off."""

@@ -18,8 +18,11 @@ from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import Along, prepare
 from vibrom.solvers.periodic.harmonic_balance import HarmonicBalance
+from vibrom.solvers.periodic.maps import Opinion
 from vibrom.solvers.periodic.response import Found, Near, Span, response
 from vibrom.solvers.periodic.stability import Kind, leading_first
+
+Second = Callable[[np.ndarray, float, float], Opinion | None]  # of x, frequency and amplitude
 
 HARMONICS = 8  # 0 to 7 are kept
 DRIVE = {  # of the forcing: unit and meaning
@@ -35,15 +38,17 @@ def motions(
     grid: np.ndarray,
     probe: xr.Variable,
     near: Callable[[], list[Near]] = list,
+    second: Second | None = None,
 ) -> xr.Dataset:
     """All that were found, those that guesses `near` them lead to among them; how many are stable
-    at each of `grid`, and where two or more are.
+    at each of `grid`, and where two or more are; the `second` opinion of some of them.
     """
     prepare(curve.flow, curve.drive(span.lowest)[0])
     began = time.perf_counter()
     found = response(curve, span, pace, near())
+    opinions = _opinions(curve, found, second) if second else {}
     seconds = time.perf_counter() - began
-    rows = _driven(curve, found) | _shown(found)
+    rows = opinions | _driven(curve, found) | _shown(found)
     rows |= _stability(found, curve.flow.parts) | _endings(found) | _balanced(curve, found)
     known = curve_of(xr.Dataset(rows))
     unit, varies = DRIVE[parameter(rows)]
@@ -151,6 +156,37 @@ def _balanced(curve: Along, found: list[Found]) -> dict[str, xr.Variable]:
         "harmonics": variable((), curve.flow.harmonics, "1", "highest harmonic that is balanced"),
         "missed": variable(
             "point", missed, "1", "how far a period in time ends from its start, over the range"
+        ),
+    }
+
+
+def _opinions(curve: Along, found: list[Found], second: Second) -> dict[str, xr.Variable]:
+    """By harmonic balance, of the highest motion and those at which something happens."""
+    height = [item.swing.displacement[0].max() for item in found]
+    highest = int(np.nan_to_num(height, nan=-np.inf).argmax())
+    frequency, missed = np.full((2, len(found)), np.nan)
+    harmonics = np.zeros(len(found), int)
+    maximum = np.full((len(found[0].swing.displacement), len(found)), np.nan)
+    for place, item in enumerate(found):
+        if item.orbit.kind == Kind.REGULAR and place != highest:
+            continue
+        opinion = second(item.orbit.point.x, *curve.drive(item.orbit.p))
+        if opinion is not None:
+            frequency[place], missed[place] = opinion.frequency, opinion.missed
+            harmonics[place] = opinion.harmonics
+            maximum[:, place] = opinion.displacement.max(axis=1)
+    return {
+        "balanced_harmonics": variable(
+            "point", harmonics, "1", "highest harmonic that is balanced; 0: no second opinion"
+        ),
+        "balanced_frequency": variable(
+            "point", frequency, "rad s-1", "where harmonic balance has a motion of this phase"
+        ),
+        "balanced_maximum": variable(
+            ("probe", "point"), maximum, "m", "largest displacement of that motion"
+        ),
+        "balanced_missed": variable(
+            "point", missed, "1", "what half as many harmonics more change, to the motion's size"
         ),
     }
 

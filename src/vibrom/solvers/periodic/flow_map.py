@@ -154,6 +154,9 @@ class FlowMap:
                 x = self(x, frequency, amplitude, derivative=False).end
         return x
 
+    def opinion(self, x: np.ndarray, frequency: float, amplitude: float, harmonics: int) -> None:
+        """None: `HarmonicBalance` follows whole curves."""
+
     def _periods(self, points: np.ndarray, kept: int = 1) -> tuple[np.ndarray, np.ndarray]:
         """(ends (b, r), samples (b, kept, r) from the start on), in units of the range, of points
         (b, r + 2): x, frequency and amplitude.

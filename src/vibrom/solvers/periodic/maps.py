@@ -45,6 +45,17 @@ class Swing:
     range_ratio: float  # largest coordinate over the largest in training; NaN without a training
 
 
+@dataclass(frozen=True)
+class Opinion:
+    """What harmonic balance says of a motion that another way found, with its phase held."""
+
+    displacement: np.ndarray  # (k, samples) m, at the probes
+    frequency: float  # rad/s
+    harmonics: int  # the highest that is balanced
+    # what the first correction with half as many harmonics more changes, to the motion's size
+    missed: float
+
+
 class Equation(Protocol):
     """What the periodic motions of one model under its load solve, H(x, Omega, amplitude) = x."""
 
@@ -106,4 +117,10 @@ class ReturnMap(Equation, Protocol):
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
         """Where x (m,) is after so many periods; NaN where the motion does not last."""
+        ...
+
+    def opinion(
+        self, x: np.ndarray, frequency: float, amplitude: float, harmonics: int
+    ) -> Opinion | None:
+        """A second one of the motion of a point x (m,); None where there is none."""
         ...

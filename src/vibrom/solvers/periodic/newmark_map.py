@@ -22,9 +22,10 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from vibrom.solvers.full.newmark import Motion, Newmark, Record
 from vibrom.solvers.full.tangent import Tangent
+from vibrom.solvers.periodic.balanced_body import BodyBalance, Unbalanced
 from vibrom.solvers.periodic.carry import Path, carried
 from vibrom.solvers.periodic.coordinates import Coordinates, NoState
-from vibrom.solvers.periodic.maps import Return, Swing
+from vibrom.solvers.periodic.maps import Opinion, Return, Swing
 from vibrom.solvers.periodic.symmetry import Symmetry
 from vibrom.term import Term
 
@@ -158,6 +159,22 @@ class NewmarkMap:
         motion = self._motion(self.state(x)[:, None], *drive, record, signal=whole)
         end = np.concatenate([motion.displacement[0, 0] - self.rest, motion.velocity[0, 0]])
         return self.of_state(end) if np.isfinite(end).all() else np.full(self.size, np.nan)
+
+    def opinion(
+        self, x: np.ndarray, frequency: float, amplitude: float, harmonics: int
+    ) -> Opinion | None:
+        """By harmonic balance, which takes no time steps; None where it finds no motion."""
+        mirror = None if self.parts == 1 else self.symmetry
+        path = self.states(x, frequency, amplitude)[:, : self.term.size]
+        more = harmonics + max(harmonics // 2, 1)
+        try:
+            body = BodyBalance(self.term, self.rest, mirror, harmonics)
+            found = body.solve(path, frequency, amplitude, hold=True)
+            shown = body.path(found.x, len(path))
+            further = replace(body, harmonics=more).change(shown, found.frequency, amplitude)
+        except Unbalanced:
+            return None
+        return Opinion(shown[:, self.probes].T, found.frequency, harmonics, further)
 
     def _motion(
         self,
