@@ -17,6 +17,11 @@ from vibrom.solvers.full.newmark import Newmark
 from vibrom.term import Force, Term
 
 
+def _drag(damping, mass):
+    """C, given itself or as a multiple of the mass."""
+    return damping * mass if np.ndim(damping) == 0 else np.array(damping, float)
+
+
 def term(mass, stiffness, load, cubic, damping):
     """`cubic` is the factor of q_i^3 on each displacement."""
     held = np.flatnonzero(cubic)
@@ -27,7 +32,7 @@ def term(mass, stiffness, load, cubic, damping):
     forces = (spring,) if len(held) else ()
     return Term(
         mass=mass,
-        damping=damping * mass,
+        damping=csr_matrix(_drag(damping, mass.toarray())),
         stiffness=stiffness,
         load=np.array(load, float),
         forces=forces,
@@ -63,7 +68,8 @@ def reduced(mass, stiffness, load, cubic, damping, reach=2.0):
             factors.append(-count * modes @ (np.array(cubic) * shapes))
     drift = np.zeros((2 * n, 2 * n + len(powers)))
     drift[:n, n : 2 * n] = np.eye(n)
-    drift[n:, :n], drift[n:, n : 2 * n] = -np.diag(squares), -damping * np.eye(n)
+    drag = modes @ _drag(damping, np.array(mass)) @ modes.T
+    drift[n:, :n], drift[n:, n : 2 * n] = -np.diag(squares), -drag
     drift[n:, 2 * n :] = np.array(factors).T
     size = np.concatenate([np.full(n, reach), reach * np.sqrt(squares)])
     rom = PolynomialRom(
@@ -77,7 +83,7 @@ def reduced(mass, stiffness, load, cubic, damping, reach=2.0):
         modes,
     )
     omega = np.sqrt(squares[0])
-    damped = omega * np.sqrt(1.0 - (damping / (2.0 * omega)) ** 2)
+    damped = omega * np.sqrt(1.0 - (drag[0, 0] / (2.0 * omega)) ** 2)
     return Reduced(rom, np.array(load, float), np.arange(n), damped, Integrator())
 
 
@@ -96,6 +102,15 @@ DUFFING = {
     "load": [1.0],
     "cubic": [1.0],
     "damping": 0.04,
+}
+# A Duffing oscillator with a nonlinear tuned absorber, in the displacements x_1 and x_1 - x_2:
+# example 02 of NLvib 1.3 (Krack and Gross, https://github.com/maltekrack/NLvib).
+ABSORBER = {
+    "mass": np.array([[1.05, -0.05], [-0.05, 0.05]]),
+    "stiffness": np.diag([1.0, 0.0453]),
+    "load": [1.0, 0.0],
+    "cubic": [1.0, 0.0042],
+    "damping": np.diag([0.002, 0.013]),
 }
 TWO = {
     "mass": np.diag([2.0, 1.0]),
