@@ -13,7 +13,7 @@ LONG = {
     "branches": {"forcing": 1e-3, "resonances": 4, "sweeps": 2, "periods": 1},
     "s_curve": {"frequency": 1.05, "forcing": 1e-3},
     "resonance": {"forcing": 1e-3},
-    "sweeps": {"forcing": 1e-3, "periods": 2, "settle": 3, "frequencies": 5},
+    "sweeps": {"forcing": 1e-3, "periods": 2, "longest": 2, "settle": 3, "frequencies": 5},
 }
 
 

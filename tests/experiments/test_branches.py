@@ -215,13 +215,16 @@ def test_sweeps_jump_at_the_folds(models, answers, branches):
     scores = sweeps.score(found[1], found[0])
     assert scores["jumps"] == 2.0 and scores["amplitude_error_median_percent"] < 0.05
     assert abs(scores["jump_up_error_percent"]) < 100 * step
-    # What is left of a transient after 60 periods of the damping 0.03 is below 1e-3 but for jumps.
-    settled = found[1]["outcome"].values == "ok"
-    assert settled.mean() > 0.8 and (found[1]["change"].values[settled] <= 1e-3).all()
-    hasty = (
-        dataclasses.replace(sweeps, periods=8).ask(models[1], two_dofs.given())["outcome"].values
-    )
-    assert (hasty == "not_steady").mean() > 0.8
+    # What is left of a transient after 60 periods of the damping 0.03 is below 1e-3 but for jumps,
+    # for which a stop goes on.
+    for answer in found:
+        assert (answer["outcome"].values == "ok").all()
+        assert (answer["change"].values <= 1e-3).all()
+    for periods, longest, steady in ((60, 60, 0.8), (8, 8, 0.0), (8, 180, 1.0)):
+        asked = dataclasses.replace(sweeps, periods=periods, longest=longest)
+        outcome = asked.ask(models[1], two_dofs.given())["outcome"].values
+        assert abs((outcome == "ok").mean() - steady) < 0.2
+        assert np.isin(outcome, ("ok", "not_steady")).all()
     linear = sweeps.ask(systems.reduced(**LINEAR), two_dofs.given())
     assert sweeps.score(linear, found[0])["jump_up_error_percent"] == np.inf
 

@@ -38,7 +38,7 @@ scene_settings:
       branches: {forcing: 100.0, lowest: 0.9, highest: 1.1, points: 12}
       s_curve: {frequency: 1.0, forcing: 100.0, points: 6}
       resonance: {forcing: 100.0, points: 6}
-      sweeps: {forcing: 100.0, periods: 2, settle: 0, frequencies: 3}
+      sweeps: {forcing: 100.0, periods: 2, longest: 2, frequencies: 3}
       response: {periods: 3}
       random_forcing: {forcing: 50.0, realisations: 2, periods: 4, settle: 0, windows: 1}
     effects:

@@ -1,6 +1,7 @@
 """Sweeps up and down: the frequency is changed in steps, and the motion carried on from each to the
 next, as in a laboratory.
 
+A stop lasts until the motion is steady, or for as long as is allowed: its outcome says which.
 Where a curve folds, a sweep stays on the branch on which it is until that ends, and jumps; on the
 way back it jumps elsewhere. A jump is bracketed by halving the last step from the motion before it.
 """
@@ -19,12 +20,13 @@ from vibrom.config.kinds import Count, Positive, Tolerance, Whole
 from vibrom.experiments import Experiment, Given
 from vibrom.models.measures import curve_error, periodic, response_variables
 from vibrom.models.model import Model
-from vibrom.models.steady import change_variable, judged, lags
-from vibrom.solvers.periodic.carried import stops, swings
+from vibrom.models.steady import PART, change_variable, judged
+from vibrom.solvers.periodic.carried import Stay, stops, swings
 from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap
 
 DIRECTIONS = ("up", "down")
+MARGIN = 0.9  # of `steady`: what the body may change in all, so that the probes change no more
 APART = 0.01  # of the larger one: amplitudes that belong to two motions
 SIDES = ("before", "after")
 
@@ -34,13 +36,14 @@ class Sweeps(Experiment):
     """One forcing amplitude, equal steps of the frequency."""
 
     forcing: Positive  # amplitude, times the scene's load
-    periods: Count = 60  # at each frequency
-    settle: Whole = 100  # more periods at the first one, which begins from rest
+    periods: Count = 60  # at each frequency, at least
+    longest: Whole = 180  # at most, where the motion still changes
+    settle: Whole = 0  # more periods at the first one, which begins from rest
     frequencies: Count = 33  # from the lowest to the highest
     lowest: Positive = 0.8  # times the damped first frequency
     highest: Positive = 1.2  # times the damped first frequency
     halvings: Whole = 3  # of the step in which a jump was seen
-    steady: Tolerance = 0.001  # of the amplitude: what the last quarter at a frequency may change
+    steady: Tolerance = 0.001  # of the amplitude: what the end of a stop may change
 
     scores = {
         "jumps": "1",
@@ -55,7 +58,7 @@ class Sweeps(Experiment):
 
     def brief(self) -> "Sweeps":
         """Two frequencies, one period each."""
-        return replace(self, periods=1, settle=0, frequencies=2)
+        return replace(self, periods=1, longest=0, settle=0, frequencies=2)
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Largest and smallest value of the last period at every probe, and where jumps are."""
@@ -64,19 +67,19 @@ class Sweeps(Experiment):
         prepare(flow, frequency[0])
         began = time.perf_counter()
         forcing = float(self.forcing)
-        most = 2 * (self.settle + self.periods * (self.frequencies + self.halvings))
-        with bar(f"{given.title}sweeps", most, "periods") as heard:
-            given_lags = lags(self.periods)
+        longest = max(self.periods, self.longest)
+        stay = Stay(self.periods, longest, MARGIN * self.steady, self.settle)
+        most = 2 * (self.settle + longest * self.frequencies + self.periods * self.halvings)
+        with bar(f"{given.title}sweeps, at most {most} periods", most, "periods") as heard:
             up, down = (
-                stops(flow, order, forcing, self.periods, self.settle, given_lags, heard)
-                for order in (frequency, frequency[::-1])
+                stops(flow, order, forcing, stay, heard) for order in (frequency, frequency[::-1])
             )
             seen = [list(zip(*row)) for row in (up, down[::-1])]
             points = [row[-1] for row in seen]
             swing = np.stack(
                 [[swings(flow, row, frequency, forcing) for row in stop] for stop in zip(*seen)]
             )
-            shown, changes = periodic(swing[-1]), settled(swing)
+            shown, changes = periodic(swing[-1]), settled(swing, self.periods)
             jumps = self._jumps(flow, frequency, points, shown.maximum[:, :, 0], heard)
         seconds = time.perf_counter() - began
         finite = np.isfinite(shown.maximum).all(axis=-1)
@@ -171,11 +174,11 @@ class Sweeps(Experiment):
         }
 
 
-def settled(swing: np.ndarray) -> np.ndarray:
+def settled(swing: np.ndarray, periods: int) -> np.ndarray:
     """(2, k) how far the last period's motion differs from earlier ones, over its amplitude, of
-    (earlier ones + 1, 2, k, probes, samples) [m]; NaN without earlier ones.
+    (earlier ones + 1, 2, k, probes, samples) [m]; NaN after too few periods.
     """
-    if len(swing) == 1:
+    if periods < PART:
         return np.full(swing.shape[1:3], np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
         apart = np.abs(swing[:-1] - swing[-1]).max(axis=(0, 3, 4))

@@ -18,13 +18,6 @@ from vibrom.models.model import Watch
 PART = 4  # of a run: its last fourth is compared with itself
 
 
-def lags(periods: int) -> tuple[int, ...]:
-    """Periods before the end at which a sweep is compared with its end; none where it is too
-    short to be judged.
-    """
-    return (periods // PART, 1) if periods >= 2 * PART else (1,) * (periods >= PART)
-
-
 def strobe(period: np.ndarray, periods: int, samples: int, dofs: np.ndarray) -> Watch:
     """What to watch in runs of so many `period`s (b,) [s], known at `samples` instants of each."""
     quarter = -(-periods // PART)

@@ -156,7 +156,9 @@ class NewmarkMap:
         steps = periods * self.steps_per_period
         whole = np.sin(2.0 * np.pi * np.arange(steps + 1) / self.steps_per_period)
         drive, record = (np.array([frequency]), np.array([amplitude])), Record(start=steps)
-        motion = self._motion(self.state(x)[:, None], *drive, record, signal=whole)
+        # as the steps of any other run are solved: what a map closes to, marching need not
+        start, loose = self.state(x)[:, None], self.newmark.tolerance
+        motion = self._motion(start, *drive, record, signal=whole, tolerance=loose)
         end = np.concatenate([motion.displacement[0, 0] - self.rest, motion.velocity[0, 0]])
         return self.of_state(end) if np.isfinite(end).all() else np.full(self.size, np.nan)
 
@@ -184,13 +186,14 @@ class NewmarkMap:
         record: Record,
         acceleration: str = "equilibrium",
         signal: np.ndarray | None = None,
+        tolerance: float = TOLERANCE,
     ) -> Motion:
         """The steps from states (2n, b) under a signal of unit amplitude, that of one map if none
         is given.
         """
         q, v = np.split(state, 2)
         signal = self._signal if signal is None else signal
-        newmark = replace(self.newmark, tolerance=min(self.newmark.tolerance, TOLERANCE))
+        newmark = replace(self.newmark, tolerance=min(self.newmark.tolerance, tolerance))
         return newmark.run(
             self.term,
             self.rest[:, None] + q,
