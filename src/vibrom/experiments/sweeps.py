@@ -26,7 +26,7 @@ from vibrom.solvers.periodic.equations import prepare
 from vibrom.solvers.periodic.maps import ReturnMap
 
 DIRECTIONS = ("up", "down")
-MARGIN = 0.9  # of `steady`: what the body may change in all, so that the probes change no more
+MARGIN = 0.7  # of `steady`: what the body may change in all, so that the probes change no more
 APART = 0.01  # of the larger one: amplitudes that belong to two motions
 SIDES = ("before", "after")
 
