@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.linalg import solve_banded
+from scipy.linalg.lapack import dgbsv
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
@@ -67,9 +67,10 @@ class Material:
         if half > WIDEST:
             matrix = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
             return splu(matrix).solve(r)
-        band = np.zeros((2 * half + 1, self.n))
-        band[half + self.row - self.column, self.column] = values
-        return solve_banded((half, half), band, r, overwrite_ab=True, check_finite=False)
+        # With pivots: rounding may leave a body that is stretched beyond all measure indefinite.
+        band = np.zeros((3 * half + 1, self.n), order="F")
+        band[2 * half + self.row - self.column, self.column] = values
+        return dgbsv(half, half, band, r, overwrite_ab=True)[2]
 
 
 class _Square:
@@ -103,10 +104,12 @@ class _Square:
 
     def _moduli(self, q: np.ndarray) -> np.ndarray:
         part, points = self.potential, len(self.potential.weight)
-        y = (part.local @ q.T).reshape(-1, points, len(q))
-        slope = part.linear[:, :, None, None] + 2.0 * np.einsum("mij,ips->mjps", part.square, y)
-        stress = np.einsum("ml,ljps->mjps", part.moduli, slope)
-        found = np.einsum("mips,mjps->ijps", slope, stress) * part.weight[:, None]
+        m, k = part.linear.shape
+        y = (part.local @ q.T).reshape(k, -1)
+        slope = 2.0 * part.square.transpose(0, 2, 1).reshape(-1, k) @ y + part.linear.reshape(-1, 1)
+        stress = (part.moduli @ slope.reshape(m, -1)).reshape(m, k, points, -1)
+        slope = slope.reshape(m, k, points, -1) * part.weight[:, None]
+        found = np.einsum("mips,mjps->ijps", slope, stress)
         return found.reshape(-1, len(q))
 
 

@@ -66,9 +66,11 @@ class Pencil:
 
     @cached_property
     def _bands(self) -> np.ndarray:
-        """(3, 3 b + 1, n): M, C and K as LAPACK stores a band, with room for its pivots."""
+        """(3, 3 b + 1, n): M, C and K as LAPACK stores a band, with room for its pivots, column by
+        column.
+        """
         b, n = self.half, self.size
-        bands = np.zeros((3, 3 * b + 1, n))
+        bands = np.zeros((3, n, 3 * b + 1)).transpose(0, 2, 1)
         for band, part in zip(bands, (self.mass, self.damping, self.stiffness)):
             entries = part.tocoo()
             np.add.at(band, (2 * b + entries.row - entries.col, entries.col), entries.data)
