@@ -97,7 +97,14 @@ def test_links_open_views_that_the_store_has(store):
         assert {"params.`scene`", "params.`method`", "metrics.`decay/nmte_percent`"} <= set(
             state["selectedColumns"]
         )
-        assert state["groupBy"]["groupByKeys"][0] == {"mode": "param", "groupByData": "scene"}
+        scenes = {"mode": "param", "groupByData": "scene"}
+        models = {"mode": "tag", "groupByData": "model"}  # the mean over seeds of each
+        wanted = scenes if key == "table" else models
+        assert state["groupBy"] == {"aggregateFunction": "average", "groupByKeys": [wanted]}
+        # A column that has no place here stands behind all that have one, and is as wide as before.
+        assert set(state["selectedColumns"]) < set(state["columnOrder"])
+        assert state["columnOrder"][0] == "attributes.`Run Name`"
+        assert set(state["columnOrder"]) == set(state["columnWidths"])
     assert [address.endswith("compareRunsMode=CHART") for address in found.values()].count(
         True
     ) == 1

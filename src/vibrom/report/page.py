@@ -8,6 +8,7 @@ import base64
 import gzip
 import io
 import json
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from importlib import import_module
@@ -29,7 +30,9 @@ from vibrom.thesis.labels import label
 
 HEAVY = 200_000  # bytes: a drawing above this goes in as pixels
 COLOURS = 64  # of such pixels
-NARROW = 135  # characters of a line of a table that fits half a page of paper, two a column more
+# A table stands in two columns on paper where its longest words fit half a page, and its lines are
+# not much longer than that.
+WORDS, LINE = 74, 135  # letters; a column counts one more, and two in a line
 SECTIONS = {  # a family of figures and tables, or a template -> title
     "cost": "Accuracy and cost",
     "motion": "The beam moves",
@@ -86,8 +89,10 @@ def fewer_colours(png: bytes) -> bytes:
 
 def narrow(one: Table) -> bool:
     """Does it stand in two columns on paper?"""
-    columns = zip(*one.printed.lines)
-    return sum(2 + max(map(len, column)) for column in columns) <= NARROW
+    columns = list(zip(one.printed.head, *one.printed.lines))
+    words = sum(1 + max(map(len, re.split("[ _]", " ".join(column)))) for column in columns)
+    line = sum(2 + max(map(len, column[1:]), default=0) for column in columns)
+    return words <= WORDS and line <= LINE
 
 
 def data_block(values: Any) -> Markup:

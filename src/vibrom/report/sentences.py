@@ -95,19 +95,18 @@ def costs(answer: Answer) -> str:
     if not known:
         return ""
     seconds, speed = np.array(list(known.values())).T
-    every = (
-        f"{reach(seconds, 2)} s, training data included, and then computes the decay "
-        f"{reach(speed, 2)} times as fast as the full order"
+    price = (
+        "{who} is ready after {seconds} s, training data included, and then computes the decay "
+        "{speed} times as fast as the full order"
     )
+    reached = {"seconds": reach(seconds, 2), "speed": reach(speed, 2)}
     cells = {who: answer.cells.get((answer.hardest, who, "decay")) for who in known}
     best = [who for who, one in cells.items() if one is not None and one.best]
     if not best or len(known) == 1:
-        return f"a model of it is ready after {every}"
-    own, times = known[best[0]]
-    return (
-        f"{label(best[0])} is ready after {number(own, 2)} s and then {number(times, 2)} times as "
-        f"fast as the full order; a model of any method is ready after {every}"
-    )
+        return price.format(who="a model of it", **reached)
+    own = dict(zip(reached, (number(value, 2) for value in known[best[0]])))
+    of_all = "; over all methods these are {seconds} s and {speed} times".format(**reached)
+    return price.format(who=label(best[0]), **own) + of_all
 
 
 def failures(answer: Answer) -> str:

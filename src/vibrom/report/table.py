@@ -116,11 +116,11 @@ def to_csv(table: Table, digest: str = "") -> str:
 
 
 def to_html(table: Table) -> Markup:
-    """A `<table>` and nothing around it."""
+    """A `<table>` and nothing around it; long words may be broken behind an underscore."""
 
     def line(cells: list[str], mark: str) -> str:
         flag = f' class="{mark}"' if mark else ""
-        first, *others = (escape(cell) for cell in cells)
+        first, *others = (escape(cell).replace("_", Markup("_<wbr>")) for cell in cells)
         rest = "".join(f"<td>{cell}</td>" for cell in others)
         return f'<tr{flag}><th scope="row">{first}</th>{rest}</tr>'
 

@@ -13,6 +13,7 @@ from vibrom.report.collection import FULL_ORDER, Collection, answered, outcome
 from vibrom.report.scores import BALANCE, OFFLINE, Score, Scores, offline
 from vibrom.tracking import Data, TrackedRun
 from vibrom.tracking.stored_model import Parts
+from vibrom.tracking.views import MODEL, OUTCOME
 
 
 def run(
@@ -58,14 +59,15 @@ def _model(
         name: str(rom.attrs[name]) for name in ("source_digest", "versions") if name in rom.attrs
     }
     source = Path(rom.encoding["source"])
-    ends = {"outcome": worst(_endings(rom, mine)), "outcome.fit": outcome(rom).value}
+    ends = {OUTCOME: worst(_endings(rom, mine)), "outcome.fit": outcome(rom).value}
     name = f"{scene} {method} {whose if seed is None else f'seed_{seed}'}"
     return TrackedRun(
         name,
         {"scene": scene, "method": method, "seed": whose, **chosen},
         fit | _metrics(mine) | {"offline_s": _offline(scores, scene, method, seed)},
         _curves(losses),
-        {"artefacts": os.path.relpath(source.parent), **ends, **made_by, **_outcomes(mine)},
+        {"artefacts": os.path.relpath(source.parent), MODEL: f"{scene} {method}"}
+        | {**ends, **made_by, **_outcomes(mine)},
         note=f"{method} in case {scene}: fitted, then evaluated on "
         f"{', '.join(dict.fromkeys(row.experiment for row in mine))}. Its artefacts lie in "
         f"`{os.path.relpath(source.parent)}`.",
@@ -82,7 +84,9 @@ def _full_order(collection: Collection, scene: str, rows: list[Score]) -> Tracke
         f"{scene} {FULL_ORDER}",
         {"scene": scene, "method": FULL_ORDER},
         _metrics(rows),
-        tags=_outcomes(rows) | {"outcome": worst(one for row in rows for one in row.outcome)},
+        tags=_outcomes(rows)
+        | {OUTCOME: worst(one for row in rows for one in row.outcome)}
+        | {MODEL: f"{scene} {FULL_ORDER}"},
         note=f"The full-order model of case {scene}, which the methods are compared with.",
         seconds=_seconds(rows),
         data=_data(collection, scene),

@@ -20,7 +20,8 @@ ERRORS = {  # metric -> section of the charts
     "branches/peak_error_percent": "errors",
 }
 SECONDS = ("offline_s", "run_times/decay_s")
-OUTCOME = "outcome"
+OUTCOME, MODEL = "outcome", "model"  # tags: how the run ended; whose it is, as `folding split`
+NAME = "attributes.`Run Name`"
 SECTIONS = {"errors": "Errors", "cost": "Error and cost", "losses": "Losses"}
 LOSS = "losses/train_total"
 RUNS = 100  # that a chart compares
@@ -41,9 +42,10 @@ def tags(runs: Iterable[Any]) -> dict[str, str]:
     errors = [name for name in ERRORS if name in known]
     seconds = [name for name in SECONDS if name in known]
     table = state(errors, seconds)
-    average = {"groupBy": grouped("scene", "method"), "useGroupedValuesInCharts": True}
+    # By one tag: a group of two parameters has a name that is longer than its column.
+    average = {"groupBy": grouped("tag", MODEL), "useGroupedValuesInCharts": True}
     views = {
-        "table": ("Scenes", table | {"groupBy": grouped("scene")}),
+        "table": ("Scenes", table | {"groupBy": grouped("param", "scene")}),
         "methods": ("Methods, mean over seeds", table | average),
         "charts": ("Charts, mean over seeds", table | average | charts(errors, seconds)),
     }
@@ -55,17 +57,17 @@ def tags(runs: Iterable[Any]) -> dict[str, str]:
     }
 
 
-def grouped(*params: str) -> dict[str, Any]:
-    """By these parameters, with the mean of what is numeric."""
-    keys = [{"mode": "param", "groupByData": name} for name in params]
+def grouped(mode: str, name: str) -> dict[str, Any]:
+    """By this parameter or tag, with the mean of what is numeric."""
+    keys = [{"mode": mode, "groupByData": name}]
     return {"aggregateFunction": "average", "groupByKeys": keys}
 
 
 def state(errors: list[str], seconds: list[str]) -> dict[str, Any]:
     """Columns and order of the table; the summary has no scene and stays out."""
     columns = [f"params.`{name}`" for name in ("scene", "method", "seed")]
-    columns += [f"metrics.`{name}`" for name in (*errors, *seconds)]
     columns += [f"tags.`{OUTCOME}`"]
+    columns += [f"metrics.`{name}`" for name in (*errors, *seconds)]
     return {
         "searchFilter": "params.scene != ''",
         "orderByKey": f"metrics.`{errors[0]}`" if errors else "attributes.start_time",
@@ -75,8 +77,8 @@ def state(errors: list[str], seconds: list[str]) -> dict[str, Any]:
         "datasetsFilter": [],
         "modelVersionFilter": "All Runs",
         "selectedColumns": columns,
-        "columnOrder": [],
-        "columnWidths": {},
+        "columnOrder": [NAME, *columns],
+        "columnWidths": dict.fromkeys(columns, 85) | {NAME: 290, "params.`method`": 160},  # [px]
         "runsHiddenMode": "SHOW_ALL",
         "groupsExpanded": {},
     }

@@ -18,11 +18,11 @@ DEFAULTS = {
 }
 STYLE = DEFAULTS | {
     "font.family": "DejaVu Sans",
-    "font.size": 8,
-    "axes.titlesize": 8,
+    "font.size": 7.5,
+    "axes.titlesize": 7.5,
     "axes.titlelocation": "left",
     "axes.titleweight": "bold",
-    "axes.labelsize": 8,
+    "axes.labelsize": 7.5,
     "xtick.labelsize": 7,
     "ytick.labelsize": 7,
     "legend.fontsize": 7.5,
@@ -68,6 +68,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 # files.
 PATH, LONG = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 
+
+WIDEST = 7.2  # [inches] of a figure: what stands across a page has letters of their full size
 
 LOOKS = len(DASHES) * len(MARKERS)  # looks with a dash and marker of their own: 7 and 9 are coprime
 
