@@ -43,7 +43,7 @@ def draw(
         panel.set(xlabel=(S_AXES if whole == "s_curve" else AXES)[0], ylabel=AXES[1])
     for panel, (scene, model) in zip(axes, models):
         seed, answer = panels.drawn(collection, scores, scene, model, name)
-        panel.set_title(f"{scene}, {panels.title(model, seed)}")
+        panel.set_title(f"{scene}\n{panels.title(model, seed)}")
         behind(panel, curve(collection.find(scene, FULL_ORDER, whole)))
         if answer is None:
             panels.words(panel, f"no {name} in this run")

@@ -102,7 +102,7 @@ def decades(axis) -> None:
     meet.
     """
     low, high = axis.get_view_interval()
-    steps = (1.0, 2.0, 5.0) if high < 200 * low else (1.0,)
+    steps = (1.0, 2.0, 5.0) if high < 30 * low else (1.0,)
     axis.set_major_locator(LogLocator(subs=steps, numticks=9))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

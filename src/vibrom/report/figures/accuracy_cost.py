@@ -33,9 +33,8 @@ def draw(collection, scores, scene=None) -> Figure:
     axes = figure.subplots(2, len(scenes), squeeze=False, sharex="row", sharey=True)
     handles, looks = {}, style.looks(collection.methods)
     for column, name in zip(axes.T, scenes):
-        for panel, words in zip(column, AXES):
-            panel.set(xscale="log", yscale="log", ylabel="decay NMTE [%]", xlabel=words)
-            panel.tick_params(labelleft=True)
+        for panel, words in zip(column, ("offline [s]", "online [s]")):
+            panel.set(xscale="log", yscale="log", xlabel=words)
         column[0].set_title(name)
         lost = []
         for method, look in looks.items():
@@ -50,6 +49,8 @@ def draw(collection, scores, scene=None) -> Figure:
         mark_full_order(column[1], scores.seconds(name, FULL_ORDER)["decay_s"])
         if lost:
             panels.words(column[0], "no median:\n" + "\n".join(lost), place="above")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("decay NMTE [%]")
     for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)

@@ -78,7 +78,7 @@ const Plots = (() => {
     };
   }
 
-  const PRINTED = { width: 264, height: 235, autosize: false }; // [px] four panels across a page, which shrinks them
+  const PRINTED = { width: 264, height: 205, autosize: false }; // [px] four panels across a page, which shrinks them
   function draw(node) {
     const figure = figureOf(node);
     const size = printing() ? PRINTED : { width: undefined, autosize: true };
