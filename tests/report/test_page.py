@@ -17,10 +17,11 @@ from vibrom.artefacts.outcome import Tally
 from vibrom.models.measures import nmte_percent
 from vibrom.report import answer, failures, outputs, sentences, tables
 from vibrom.report import headline as numbers
+from vibrom.report import page as page_of
 from vibrom.report.columns import number
 from vibrom.report.page import HEAVY, image
 from vibrom.report.scores import Scores
-from vibrom.report.table import Table
+from vibrom.report.table import Printed, Table
 from vibrom.thesis.labels import label
 
 
@@ -273,3 +274,19 @@ def test_headline_checks_name_what_is_not_met(collection, scores):
     assert lines[0].endswith(f"{count} of {count + 1} met")
     (missed,) = (line for line in lines if line.startswith("not met   small, "))
     assert "2.00000" in missed
+
+
+def test_endings_are_told_with_the_gravest_first():
+    assert answer.in_words(Tally(["ok", "ok"])) == ""
+    assert answer.in_words(Tally(["left_range"] * 3)) == "left its training range"
+    mixed = Tally(["ok"] + ["left_range"] * 3 + ["diverged"] * 2)
+    assert answer.in_words(mixed) == "of 6: 2 diverged, 3 left range"
+
+
+def test_a_table_stands_in_two_columns_of_paper_only_where_its_words_fit():
+    def narrow(*cells):
+        return page_of.narrow(Table("", (), (), Printed(["Case"] * len(cells), [cells], [""])))
+
+    assert narrow("folding", "Equations (corrected)", "0.1471") and not narrow("word " * 30)
+    assert narrow("training_diverged") and not narrow("x" * 80)
+    assert narrow(*["1.000"] * 12) and not narrow(*["1.000"] * 13)
