@@ -61,11 +61,11 @@ def test_directions_of_blocks_are_those_of_all_rows(monkeypatch):
 
 
 @pytest.fixture
-def lazy(tmp_path):
+def lazy(tmp_path, monkeypatch):
     """The record of two masses, on disk."""
+    monkeypatch.setattr("vibrom.artefacts.on_disk.LARGE", 1000)
     save_dataset(two_dofs.record(), tmp_path / "record.nc")
-    with open_dataset(tmp_path / "record.nc", "trajectory", lazy=True) as opened:
-        yield trajectories(opened, lazy=True)
+    return trajectories(open_dataset(tmp_path / "record.nc", "trajectory", lazy=True), lazy=True)
 
 
 def test_a_lazy_record_is_read_where_it_is_sliced(lazy, small):

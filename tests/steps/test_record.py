@@ -8,7 +8,7 @@ import pytest
 import two_dofs
 from beam import SCENE
 
-from vibrom.artefacts.data import open_dataset
+from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
 from vibrom.artefacts.stream import growing
 from vibrom.methods.modal_projection import ModalProjection
 from vibrom.models.full_order import FullOrder
@@ -16,7 +16,7 @@ from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import differences, trajectories, trajectory
 from vibrom.models.training import Training
 from vibrom.solvers.full.newmark import Record as Kept
-from vibrom.steps import record
+from vibrom.steps import ask, record
 
 
 def test_the_converged_decay_approaches_the_closed_form_with_order_four(tmp_path):
@@ -102,13 +102,13 @@ def peak(call) -> int:
         tracemalloc.stop()
 
 
-def test_neither_recording_nor_fitting_holds_the_decay(beam, tmp_path, monkeypatch):
+def test_neither_recording_nor_fitting_nor_an_answer_holds_the_decay(beam, tmp_path, monkeypatch):
     """Blocks that are small beside 40 periods; all in memory would take the file's size, and
     several times that where copies are made.
     """
     monkeypatch.setattr("vibrom.solvers.full.banded_steps.chunk", lambda n, width: 100)
-    for module in ("vibrom.models.samples", "vibrom.artefacts.identity"):
-        monkeypatch.setattr(f"{module}.BLOCK", 2**17)
+    for size in ("models.samples.BLOCK", "artefacts.identity.BLOCK", "artefacts.on_disk.LARGE"):
+        monkeypatch.setattr(f"vibrom.{size}", 2**17)
     known = {name: str(beam.folder / f"{name}.nc") for name in ("structure", "release")}
     path, scene = str(tmp_path / "train.nc"), SCENE | {"record": {"periods": 40}}
     given = known | {"trajectory": path, "scene": scene, "role": "train", "provenance": {}}
@@ -117,8 +117,35 @@ def test_neither_recording_nor_fitting_holds_the_decay(beam, tmp_path, monkeypat
     assert size > 6e6 and held < size / 3
 
     def fit() -> None:
-        with open_dataset(path, "trajectory", lazy=True) as opened:
-            motion = trajectories(opened, lazy=True)
-            ModalProjection(order=1).learn(Training(motion, beam.structure))
+        motion = trajectories(open_dataset(path, "trajectory", lazy=True), lazy=True)
+        nonlocal rom
+        rom = ModalProjection(order=1).learn(Training(motion, beam.structure)).to_dataset()
+
+    rom = None
 
     assert peak(fit) < size / 3
+
+    def ask_it() -> None:
+        fitted = label(rom, "rom", scene="beam", method="modal_projection", reason="")
+        save_dataset(
+            fitted.assign(outcome=variable((), "ok", "1", "how the fit ended")), paths["rom"]
+        )
+        names = {"scene": "beam", "method": "modal_projection"}
+        questions = {name: {} for name in ("reconstruction", "decay")}
+        truth = {f"truth_{name}": path for name in questions}
+        given = {"questions": questions, "names": names, "samples": 200, "provenance": {}}
+        ask.run(**given, **paths, **truth, structure=known["structure"], test=path)
+
+    paths = {name: str(tmp_path / f"{name}.nc") for name in ("rom", "reconstruction", "decay")}
+    ask_it()  # loads and compiles
+    assert peak(ask_it) < size / 3
+    blocks = {name: open_dataset(paths[name], name) for name in ("reconstruction", "decay")}
+    # Small beside a block, all is one.
+    monkeypatch.undo()
+    ask_it()
+    for name, found in blocks.items():
+        whole = open_dataset(paths[name], name)
+        assert "displacement" not in whole and float(whole["score_value"][0]) > 0.0
+        for key in ("error", "encoded", "probe_displacement", "probe_true", "score_value"):
+            if key in whole:
+                np.testing.assert_allclose(found[key], whole[key], rtol=1e-10, atol=1e-13)

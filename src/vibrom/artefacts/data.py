@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from vibrom.artefacts import identity
+from vibrom.artefacts import identity, on_disk
 from vibrom.artefacts.files import DataError, replacing
 from vibrom.artefacts.identity import FITTED_ONCE
 
@@ -114,16 +114,14 @@ def save_dataset(
 
 
 def open_dataset(path: str | Path, kind: str, *, lazy: bool = False) -> xr.Dataset:
-    """The dataset of this kind at `path`: in memory, or `lazy`, on disk until something is read of
-    it, and to be closed.
+    """The dataset of this kind at `path`: in memory, or `lazy`, with large variables on disk until
+    something is read of them.
     """
     if not Path(path).exists():
         raise DataError(f"{path}: no such file; run the rule that makes this {kind}")
     try:
-        dataset = xr.open_dataset(path, engine="netcdf4", cache=False)
-        if not lazy:
-            with dataset:
-                dataset = dataset.load()
+        with xr.open_dataset(path, engine="netcdf4", cache=False) as opened:
+            dataset = on_disk.left(opened, path) if lazy else opened.load()
     except (OSError, ValueError, RuntimeError) as error:
         raise identity.unreadable(path, error) from error
     identity.check_version(path, dataset.attrs)

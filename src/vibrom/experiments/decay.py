@@ -4,6 +4,7 @@ Source: thesis, section 3.3.1. Values after a failure are NaN.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -12,9 +13,10 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import worst
 from vibrom.config.kinds import Count
 from vibrom.experiments import Experiment, Given
-from vibrom.models.measures import nmte_percent, range_variable
+from vibrom.models.measures import distance_variable, nmte_percent, range_variable
 from vibrom.models.model import Model, Watch
 from vibrom.models.recorded import trajectories
+from vibrom.models.samples import Samples
 
 
 @dataclass(frozen=True)
@@ -37,14 +39,14 @@ class Decay(Experiment):
         """The motion at the instants of the record; of each decay, where there are several."""
         test, probes = given.answers["test"], model.probes
         count = None if self.periods is None else self.periods * given.samples + 1
-        records = [record.part(slice(count)) for record in trajectories(test)]
+        records = [record.part(slice(count)) for record in trajectories(test, lazy=True)]
         runs = [
-            model.motion(record.state[:1], None, Watch(record.time - record.time[0]))
+            model.motion(record.part(slice(1)).state, None, Watch(record.time - record.time[0]))
             for record in records
         ]
-        displacement = np.concatenate([run.displacement[0][0] for run in runs])
-        true, state = (
-            np.concatenate([getattr(record, what) for record in records])
+        displacement = one_below_the_other([run.displacement[0][0] for run in runs])
+        shapes, states = (
+            Samples(tuple(record.columns(what) for record in records))
             for what in ("displacement", "state")
         )
         failed_at = np.concatenate([run.failed_at for run in runs])
@@ -54,10 +56,16 @@ class Decay(Experiment):
                 ("time", "dof"), displacement, "m", "displacement of each free dof"
             ),
             "probe_displacement": variable(
-                ("probe", "time"), displacement[:, probes].T, "m", "displacement at the probes"
+                ("probe", "time"),
+                np.asarray(displacement[:, probes]).T,
+                "m",
+                "displacement at the probes",
             ),
             "probe_true": variable(
-                ("probe", "time"), true[:, probes].T, "m", "recorded displacement at the probes"
+                ("probe", "time"),
+                shapes.map(lambda block: block[:, probes]).T,
+                "m",
+                "recorded displacement at the probes",
             ),
             **outcome_variables(
                 ended,
@@ -70,7 +78,7 @@ class Decay(Experiment):
             answer |= {
                 "reduced": variable(dims, reduced, "1", "reduced coordinates"),
                 "encoded": variable(
-                    dims, model.coordinates(state), "1", "reduced coordinates of the record"
+                    dims, states.map(model.coordinates), "1", "reduced coordinates of the record"
                 ),
                 **range_variable((), max(run.range_ratio[0] for run in runs)),
             }
@@ -81,30 +89,31 @@ class Decay(Experiment):
         time = variable("time", instants, "s", "time since release")
         return xr.Dataset(answer, coords={"time": time, "probe": given.probe})
 
-    def _true(self, truth: xr.Dataset, given: int) -> np.ndarray:
+    def _true(self, truth: xr.Dataset, given: int) -> Any:
         """The recorded displacement (m, n) at the instants of an answer of this length."""
-        whole = trajectories(truth)
+        whole = trajectories(truth, lazy=True)
         count = given // len(whole) if self.periods is not None else None
-        return np.concatenate([record.displacement[:count] for record in whole])
+        return one_below_the_other([record.displacement[:count] for record in whole])
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """NMTE over the decay, against the record and against the converged motion where that was
         made.
         """
-        displacement = answer["displacement"].values
+        displacement = answer["displacement"].variable
         true = self._true(truth, len(displacement))
         found = {"nmte_percent": nmte_percent(true, displacement)}
         if "converged_displacement" in truth:
-            true = truth["converged_displacement"].values[: len(displacement)]
+            true = truth["converged_displacement"].variable[: len(displacement)]
             found["converged_nmte_percent"] = nmte_percent(true, displacement)
         return found
 
     def stored(self, answer: xr.Dataset, truth: xr.Dataset) -> xr.Dataset:
         """With the norm of the error instead of all displacements."""
-        displacement = answer["displacement"].values
-        error = displacement - self._true(truth, len(displacement))
-        return answer.drop_vars("displacement").assign(
-            error=variable(
-                "time", np.linalg.norm(error, axis=1), "m", "norm of the displacement error"
-            )
-        )
+        displacement = answer["displacement"].variable
+        error = distance_variable(self._true(truth, len(displacement)), displacement)
+        return answer.drop_vars("displacement").assign(error)
+
+
+def one_below_the_other(arrays: list[Any]) -> Any:
+    """Several as one array; one alone as it is, wherever it lies."""
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)

@@ -7,15 +7,16 @@ No dynamics is evaluated. Source: thesis, section 3.2.3.
 import time
 from dataclasses import dataclass
 
-import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.artefacts.outcome import Outcome
 from vibrom.experiments import Experiment, Given
-from vibrom.models.measures import nmte_percent
+from vibrom.models.decoded import decoded
+from vibrom.models.measures import distance_variable, nmte_percent
 from vibrom.models.model import Model
 from vibrom.models.recorded import trajectory
+from vibrom.models.samples import Samples
 
 
 @dataclass(frozen=True)
@@ -30,10 +31,10 @@ class Reconstruction(Experiment):
 
     def ask(self, model: Model, given: Given) -> xr.Dataset:
         """Reduced coordinates of the true motion, and the displacements that they stand for."""
-        record = trajectory(given.answers["test"])
+        record = trajectory(given.answers["test"], lazy=True)
         began = time.perf_counter()
-        encoded = model.coordinates(record.state)
-        displacement = model.decoded(encoded)
+        encoded = Samples((record.columns("state"),)).map(model.coordinates)
+        displacement = decoded(model, encoded)
         seconds = time.perf_counter() - began
         return xr.Dataset(
             {
@@ -50,14 +51,11 @@ class Reconstruction(Experiment):
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """NMTE over the whole decay."""
-        true = trajectory(truth).displacement
-        return {"nmte_percent": nmte_percent(true, answer["displacement"].values)}
+        true = trajectory(truth, lazy=True).displacement
+        return {"nmte_percent": nmte_percent(true, answer["displacement"].variable)}
 
     def stored(self, answer: xr.Dataset, truth: xr.Dataset) -> xr.Dataset:
         """With the norm of the error instead of all displacements."""
-        error = answer["displacement"].values - trajectory(truth).displacement
-        return answer.drop_vars("displacement").assign(
-            error=variable(
-                "time", np.linalg.norm(error, axis=1), "m", "norm of the displacement error"
-            )
-        )
+        true = trajectory(truth, lazy=True).displacement
+        error = distance_variable(true, answer["displacement"].variable)
+        return answer.drop_vars("displacement").assign(error)

@@ -18,7 +18,7 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count, NonNegative, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.balance import balance_variable, checked
-from vibrom.models.measures import nmte_percent, range_variable
+from vibrom.models.measures import distance_variable, nmte_percent, range_variable
 from vibrom.models.model import Model, Signals, Watch
 from vibrom.models.training import Unsupported
 
@@ -95,7 +95,7 @@ class Response(Experiment):
         """NMTE of the whole motion, and errors of the first probe's largest displacement, whatever
         its sign, and of its root mean square.
         """
-        model, true = (item["displacement"].values for item in (answer, truth))
+        model, true = (item["displacement"].variable for item in (answer, truth))
         seen, known = (item["probe_displacement"].values[0] for item in (answer, truth))
         return {
             "nmte_percent": nmte_percent(true, model),
@@ -107,7 +107,7 @@ class Response(Experiment):
         """With the probes' true displacement and the norm of the error instead of all
         displacements.
         """
-        error = answer["displacement"].values - truth["displacement"].values
+        displacements = (item["displacement"].variable for item in (truth, answer))
         return answer.drop_vars("displacement").assign(
             probe_true=variable(
                 ("probe", "time"),
@@ -115,7 +115,5 @@ class Response(Experiment):
                 "m",
                 "displacement of the full order at the probes",
             ),
-            error=variable(
-                "time", np.linalg.norm(error, axis=1), "m", "norm of the displacement error"
-            ),
+            **distance_variable(*displacements),
         )

@@ -5,21 +5,37 @@ amplitude and phase of a periodic response, zero crossings; backbones.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from vibrom.artefacts.data import variable
+from vibrom.models.samples import rows
 
 
-def nmte_percent(truth: np.ndarray, model: np.ndarray) -> float:
+def nmte_percent(truth: Any, model: Any) -> float:
     """Normalised mean-trajectory error:  NMTE = 100 mean_t |y - y_model| / max_t |y|  in percent.
 
     y and y_model (m, n), |.| the Euclidean norm over the n free displacements; NaN where the model
-    failed before the end. Source: thesis, section 3.2.3.
+    failed before the end. Either may be a variable of a file, and is read a block at a time.
+    Source: thesis, section 3.2.3.
     """
-    error = np.linalg.norm(truth - model, axis=-1)
-    return float(100.0 * error.mean() / np.linalg.norm(truth, axis=-1).max())
+    largest = max(np.linalg.norm(part, axis=-1).max() for (part,) in rows(truth))
+    return float(100.0 * distance(truth, model).mean() / largest)
+
+
+def distance(truth: Any, model: Any) -> np.ndarray:
+    """|y - y_model| (m,) of each row, of the same arrays."""
+    return np.concatenate(
+        [np.linalg.norm(one - other, axis=-1) for one, other in rows(truth, model)]
+    )
+
+
+def distance_variable(truth: Any, model: Any) -> dict[str, xr.Variable]:
+    """The same as answers keep it, instead of all displacements."""
+    words = "norm of the displacement error"
+    return {"error": variable("time", distance(truth, model), "m", words)}
 
 
 @dataclass(frozen=True)

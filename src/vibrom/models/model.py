@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -56,7 +56,8 @@ class Watch:
 class Motion:
     """b runs side by side; values after a failure are NaN."""
 
-    displacement: tuple[np.ndarray, ...]  # of each watch: (b, m, k) m
+    # of each watch: (b, m, k) m; of one run, large ones may be decoded where they are sliced
+    displacement: tuple[Any, ...]
     reduced: tuple[np.ndarray, ...] | None  # of each watch: (b, m, r), of a reduced model
     outcome: np.ndarray  # (b,) how each run ended
     failed_at: np.ndarray  # (b,) s, when it failed or first left the training range; NaN: never

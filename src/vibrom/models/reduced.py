@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from vibrom.models.calibration import Calibration, Signalled, calibration
+from vibrom.models.decoded import decoded
 from vibrom.models.model import Drive, Motion, Push, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
@@ -21,6 +22,7 @@ from vibrom.models.training import Unsupported
 if TYPE_CHECKING:
     from vibrom.solvers.periodic.flow_map import FlowMap
 
+AT_A_TIME = 2**22  # displacements that are decoded
 CLOSE = 1e-9  # of a run: instants that are one
 JACOBIAN_STEP = 1e-5  # of the training range: differences of a cubic drift are exact to about 1e-10
 
@@ -96,12 +98,10 @@ class Reduced:
         np.put_along_axis(reduced, order[:, :, None], run.reduced, axis=1)
         ends = np.cumsum([part.shape[1] for part in every])[:-1]
         parts = tuple(np.split(reduced, ends, axis=1))
-        displacement = tuple(self.decoded(part, watch.dofs) for part, watch in zip(parts, watches))
-        if drive is not None:
-            displacement = tuple(
-                shape + self._beside(part, moments, drive, watch.dofs)
-                for shape, part, moments, watch in zip(displacement, parts, every, watches)
-            )
+        displacement = tuple(
+            self._shapes(part, moments, drive, watch.dofs)
+            for part, moments, watch in zip(parts, every, watches)
+        )
         seconds = time.perf_counter() - began
         outcome = np.array(run.outcome, dtype=object)
         return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, None, seconds)
@@ -132,6 +132,20 @@ class Reduced:
         outcome, seconds = np.array(run.outcome, dtype=object), time.perf_counter() - began
         ended = outcome, run.failed_at, run.range_ratio
         return Motion(tuple(displacement), tuple(found), *ended, None, seconds)
+
+    def _shapes(
+        self,
+        reduced: np.ndarray,
+        instants: np.ndarray,
+        drive: Drive | None,
+        dofs: np.ndarray | None,
+    ) -> Any:
+        """Displacements (b, m, k) of reduced states (b, m, r)."""
+        if drive is not None:
+            return self.decoded(reduced, dofs) + self._beside(reduced, instants, drive, dofs)
+        if dofs is None and len(reduced) == 1:
+            return (decoded(self, reduced[0]),)
+        return self.decoded(reduced, dofs)
 
     def _beside(
         self, reduced: np.ndarray, instants: np.ndarray, drive: Drive, dofs: np.ndarray | None
@@ -171,5 +185,7 @@ class Reduced:
 
     def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         """Displacements (*batch, n), or (*batch, k) at `dofs` [m], of coordinates (*batch, r)."""
-        flat = decode_displacement(self.rom, coordinates.reshape(-1, coordinates.shape[-1]), dofs)
+        flat = coordinates.reshape(-1, coordinates.shape[-1])
+        chunk = max(1, min(4096, AT_A_TIME // (self.size if dofs is None else len(dofs))))
+        flat = decode_displacement(self.rom, flat, dofs, chunk)
         return flat.reshape(*coordinates.shape[:-1], -1)

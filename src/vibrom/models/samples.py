@@ -78,6 +78,14 @@ class Samples:
         return Samples(tuple(tuple(part[::every] for part in beside) for beside in self.motions))
 
 
+def rows(*arrays: Any) -> Iterator[tuple[np.ndarray, ...]]:
+    """The same rows (k, n) of each array (m, n), some at a time; k = m where they are small."""
+    width = 8 * int(np.prod(arrays[0].shape[1:]))
+    count = max(1, BLOCK // max(1, width))
+    for first in range(0, len(arrays[0]), count):
+        yield tuple(np.asarray(array[first : first + count], float) for array in arrays)
+
+
 def directions(blocks: Iterator[np.ndarray], count: int) -> tuple[np.ndarray, np.ndarray]:
     """The first singular values (r,) and right singular vectors (r, k) of rows that come in blocks.
 

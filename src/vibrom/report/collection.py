@@ -19,7 +19,7 @@ from vibrom.artefacts.identity import FITTED_ONCE, attributes_of, check_place
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 
-OPEN = 256  # datasets that are kept in memory
+OPEN = 256  # datasets that are kept in memory, but for their large variables
 
 
 class Key(NamedTuple):
@@ -48,7 +48,7 @@ class Collection:
             name = attributes.get("role", attributes["kind"])
             model = None if seed == FITTED_ONCE else seed
             key = Key(attributes["scene"], attributes["method"], model, name)
-            loaders[key] = partial(open_dataset, path, attributes["kind"])
+            loaders[key] = partial(open_dataset, path, attributes["kind"], lazy=True)
         return cls(loaders)
 
     @property

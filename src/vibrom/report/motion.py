@@ -44,7 +44,7 @@ def of_scene(collection: Collection, scores: Scores, scene: str) -> dict[str, An
     time = truth["time"].values
     stride = frame_stride(time, float(truth["period"]))
     pick = Picker(structure, nodes)
-    motions = {FULL_ORDER: pick(truth["displacement"].values[::stride])}
+    motions = {FULL_ORDER: pick(truth["displacement"][::stride].values)}
     titles = {FULL_ORDER: label(FULL_ORDER)}
     for method in collection.methods:
         seed, decay = panels.drawn(collection, scores, scene, method, "decay")

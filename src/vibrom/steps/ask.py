@@ -45,7 +45,7 @@ def run(
     """
     known = open_dataset(structure, "structure")
     fitted = open_dataset(rom, "rom") if rom else None
-    opened = cache(open_dataset)
+    opened = cache(partial(open_dataset, lazy=True))
     built = cache(partial(model_of, fitted, known, scene, integrator))
     answered: dict[str, xr.Dataset] = {}
     for name, settings in questions.items():

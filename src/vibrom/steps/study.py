@@ -63,6 +63,6 @@ def run(
 def opened(names: Sequence[str], paths: Sequence[str]) -> dict[str, Any]:
     """The artefacts of these names."""
     return {
-        name: open_dataset(path, KINDS.get(name, name))
+        name: open_dataset(path, KINDS.get(name, name), lazy=True)
         for name, path in zip(names, paths, strict=True)
     }

@@ -9,12 +9,16 @@ lines, by the coordinates of each method (median over seeds). Polynomials over a
 passed twice stay apart from the motion at any order.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.latent.polynomial import exponents, least_squares, monomials
+from vibrom.models.decoded import decoded
 from vibrom.models.measures import nmte_percent
 from vibrom.models.recorded import structure, trajectory
+from vibrom.models.samples import Samples
 from vibrom.models.training import MethodError
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import number
@@ -48,16 +52,16 @@ def draw(collection, scores, scene) -> Figure:
     operators = structure(known)
     weight = operators.mass @ operators.leading(1)[0]
     shown = train["time"].values - train["time"].values[0] < PERIODS * float(train["period"])
-    z = train["displacement"].values @ weight
+    z = projected(train, weight)
     coordinate.plot(train["time"].values[shown], z[shown], color="#004c7a")
     pair = passed_twice(z[shown])
     for place, at in enumerate(pair or [0]):
         colour = style.COLOURS[place]
         coordinate.plot(train["time"].values[at], z[at], "o", color=colour, markersize=4)
-        for loop in body.outlines(known, train["displacement"].values[at]):
+        for loop in body.outlines(known, train["displacement"][at].values):
             shapes.plot(*loop.T, color=colour, linewidth=0.9)
     panels.words(coordinate, "passed twice" if pair else "passed once", place="above")
-    found = by_order(*(trajectory(run) for run in runs), weight)
+    found = by_order(*(trajectory(run, lazy=True) for run in runs), weight)
     errors.plot(*zip(*found), "o-", color="black", markersize=3, label="polynomials")
     for place, method in enumerate(collection.methods):
         error = scores.spread(scene, method, "reconstruction", "nmte_percent", worst=True).median
@@ -75,7 +79,7 @@ def seen(collection, scores, scene) -> str:
     if known is None or train is None or not finite(train):
         return "No body or recorded decays in this run."
     operators = structure(known)
-    z = train["displacement"].values @ (operators.mass @ operators.leading(1)[0])
+    z = projected(train, operators.mass @ operators.leading(1)[0])
     shown = train["time"].values - train["time"].values[0] < PERIODS * float(train["period"])
     passed = "twice" if passed_twice(z[shown]) else "once"
     errors = {
@@ -90,7 +94,12 @@ def seen(collection, scores, scene) -> str:
 
 def finite(run) -> bool:
     """Did the decay last?"""
-    return bool(np.isfinite(run["displacement"].values).all())
+    return Samples(((run["displacement"].variable,),)).all(np.isfinite)
+
+
+def projected(run, weight: np.ndarray) -> np.ndarray:
+    """q'w (m,) of recorded displacements."""
+    return Samples(((run["displacement"].variable,),)) @ weight
 
 
 def passed_twice(z: np.ndarray) -> list[int] | None:
@@ -105,10 +114,26 @@ def passed_twice(z: np.ndarray) -> list[int] | None:
     return [0, top + int(np.argmax(side[top:rest] <= side[0]))]
 
 
+@dataclass(frozen=True)
+class Graph:
+    """Displacements that are linear in what stands for the coordinates."""
+
+    shape: np.ndarray  # (n, terms)
+
+    @property
+    def size(self) -> int:
+        """n."""
+        return len(self.shape)
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """See `Decoder`."""
+        return coordinates @ self.shape[slice(None) if dofs is None else dofs].T
+
+
 def by_order(train, test, weight: np.ndarray) -> list[tuple[int, float]]:
     """(order, NMTE [%]) of the unseen decay, of polynomials in the coordinate and its rate."""
     y = [
-        np.stack([run.displacement @ weight, run.velocity @ weight], axis=1)
+        np.stack([Samples(((part,),)) @ weight for part in run.columns("state")], axis=1)
         for run in (train, test)
     ]
     reach = np.abs(y[0]).max(axis=0)
@@ -117,8 +142,8 @@ def by_order(train, test, weight: np.ndarray) -> list[tuple[int, float]]:
         powers = exponents(2, 1, order)
         library, unseen = (monomials(part / reach, powers) for part in y)
         try:
-            shape = least_squares(library, train.displacement)
+            shape = least_squares(library, Samples(((train.displacement,),)))
         except MethodError:
             break  # more terms than samples
-        found.append((order, nmte_percent(test.displacement, unseen @ shape.T)))
+        found.append((order, nmte_percent(test.displacement, decoded(Graph(shape), unseen))))
     return found

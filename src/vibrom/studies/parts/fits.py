@@ -94,7 +94,7 @@ class Fits:
         train = case.full_order["train"]
         self.seconds, self.period = float(train["seconds"]), float(train["period"])
         self.recorded = Outcome(str(train["outcome"].item())).has_value
-        self.record, self.case = trajectory(train), case
+        self.record, self.case = trajectory(train, lazy=True), case
         self.known: dict[str, Fit] = {}
 
     def add(self, recipe: Recipe, model: Fitted, answers: Mapping[str, Measured]) -> None:

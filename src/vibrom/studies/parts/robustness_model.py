@@ -137,7 +137,7 @@ def guarded(study: Robustness, case: Case) -> tuple[dict[str, Rom | Outcome], di
     (fitted,) = case.fitted
     if not fitted.outcome.has_value:
         return dict.fromkeys(study.guards, fitted.outcome), {}
-    motion, known = trajectory(case.full_order["train"]), structure(case.structure)
+    motion, known = trajectory(case.full_order["train"], lazy=True), structure(case.structure)
     rom, training = rom_from_dataset(fitted.record), Training((motion,), known)
     models: dict[str, Rom | Outcome] = {}
     reasons, distinct = {}, [rom]

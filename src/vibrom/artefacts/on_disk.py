@@ -1,0 +1,59 @@
+"""Variables that stay on disk until something is read of them.
+
+Their file is open while it is read, and no longer: HDF5 (2.2.0, in netCDF4 1.7.5) follows a pointer
+into freed memory when a file with text is opened once more after one of two of its openings was
+closed. The element type of the text's fill value, which both share, then still names the file that
+was closed (`H5D_get_create_plist`, `H5T__vlen_disk_isnull`). So no file of ours is open twice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+LARGE = 2**25  # bytes; what is smaller is read at once
+
+
+@dataclass(eq=False)
+class OnDisk(BackendArray):
+    """A variable of a file, without scale or offset."""
+
+    path: str
+    name: str
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        """What xarray asks for."""
+        outer = indexing.IndexingSupport.OUTER
+        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._read)
+
+    def _read(self, key: tuple[Any, ...]) -> np.ndarray:
+        with netCDF4.Dataset(self.path) as file:
+            stored = file[self.name]
+            stored.set_auto_maskandscale(False)
+            return np.asarray(stored[key])
+
+
+def left(dataset: xr.Dataset, path: str | Path) -> xr.Dataset:
+    """A dataset that is open at `path`, with its large variables left there and the others read."""
+    whole = {
+        name: array
+        for name, array in dataset.variables.items()
+        if array.nbytes <= LARGE or array.dtype.kind not in "iuf"
+    }
+    read = dataset[list(whole)].load()
+    for name in dataset.variables.keys() - whole.keys():
+        array = dataset.variables[name]
+        stored = OnDisk(str(path), str(name), array.shape, array.dtype)
+        lazy = indexing.LazilyIndexedArray(stored)
+        read[name] = xr.Variable(array.dims, lazy, array.attrs, array.encoding, fastpath=True)
+    read.encoding = dataset.encoding
+    return read
