@@ -1,4 +1,4 @@
-"""Memory of a recorded decay and of fits to it, up to 60 000 degrees of freedom.
+"""Memory of a decay, of fits to it and of their answers, up to 60 000 degrees of freedom.
 
 The steps of the workflow on the folding beam in finer meshes, each in a process of its own, whose
 peak of memory is listed beside what the rules ask for (`vibrom.config.memory`). A decay lasts 30
@@ -17,14 +17,18 @@ from benchmarks.growth import peak_memory
 from benchmarks.table import Row
 from vibrom.config import settings
 from vibrom.config.memory import mem_mb
-from vibrom.steps import fit, record, release, structure
+from vibrom.steps import ask, fit, record, release, scores, structure
 
 BODIES = {"bilinear": [40, 2], "quadratic": [500, 15]}  # element -> cells
 STEPS = 100  # time steps in a period, all of them stored
 FITS = {"ssmlearn": {}, "ssmlearn_11": {"order_decoder": 11, "order_dynamics": 11}}
 FITS |= {"split": {"epochs": 20}}
 KINDS = {"structure": "full_order", "release": "full_order", "train": "full_order"}
+KINDS |= {"answers": "answer", "scores": "sink"}
+ASKED = {name: {} for name in ("reconstruction", "decay")}  # of the first of FITS
+INTEGRATOR = {"rtol": 1e-8, "atol": 1e-10}
 LIMIT = 2e9  # bytes, of the largest job on 60 000 degrees of freedom
+STEPS_OF_A_RUN = ("structure", "release", "train", *FITS, "answers", "scores")
 CODE = {"source_digest": "0" * 16, "versions": "{}"}
 
 
@@ -48,6 +52,15 @@ def one(element: str, step: str, folder: str) -> None:
     elif step == "train":
         shape = {name: paths[name] for name in ("structure", "release")}
         record.run(**shape, trajectory=paths[step], scene=known, role="train", provenance=CODE)
+    elif step == "answers":
+        names = {"scene": "folding", "method": next(iter(FITS)), "seed": None}
+        given = {"structure": paths["structure"], "test": paths["train"], "integrator": INTEGRATOR}
+        given |= {f"truth_{name}": paths["train"] for name in ASKED} | answers(base)
+        given |= {"rom": str(base / f"{names['method']}_rom.nc"), "samples": STEPS}
+        ask.run(questions=ASKED, names=names, provenance=CODE, **given)
+    elif step == "scores":
+        every = [paths["train"], *answers(base).values()]
+        scores.run(predictions=every, scores=str(base / "scores.csv"), provenance=CODE)
     else:
         recipe = {"scene": "folding", "method": step, "kind": step.removesuffix("_11")}
         recipe |= {"settings": FITS[step], "seed": 0, "device": "cpu"}
@@ -56,10 +69,15 @@ def one(element: str, step: str, folder: str) -> None:
         fit.run(**made, **inputs, recipe=recipe, checkpoint=None, provenance=CODE)
 
 
+def answers(base: Path) -> dict[str, str]:
+    """Where they are."""
+    return {name: str(base / f"{name}.nc") for name in ASKED}
+
+
 def measure(note) -> Iterator[Row]:
     for element in BODIES:
         with tempfile.TemporaryDirectory() as folder:
-            for step in (*KINDS, *FITS):
+            for step in STEPS_OF_A_RUN:
                 command = [sys.executable, "-m", "benchmarks.memory", element, step, folder]
                 run = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True)
                 peak, dofs = json.loads(run.stdout.splitlines()[-1])

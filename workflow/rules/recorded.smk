@@ -20,7 +20,7 @@ rule recorded:
     conda:
         "../../envs/vibrom.yaml"
     resources:
-        mem_mb=memory("answer"),
+        mem_mb=memory("whole"),
     params:
         step="recorded",
         scene=lambda wildcards: SCENES[wildcards.scene],

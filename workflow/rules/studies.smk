@@ -30,7 +30,7 @@ for STUDY, CONSTANTS in STUDIES.items():
                 "../../envs/vibrom.yaml"
             threads: 1
             resources:
-                mem_mb=memory("study"),
+                mem_mb=memory(f"study_{KIND}"),
             params:
                 step="study",
                 study=job_settings(STUDY, KIND),

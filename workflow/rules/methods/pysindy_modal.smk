@@ -26,7 +26,7 @@ rule fit_pysindy_modal:
     conda:
         "../../../envs/vibrom.yaml"
     resources:
-        mem_mb=memory("answer"),  # it reads the decay whole
+        mem_mb=memory("whole"),  # it reads the decay so
     params:
         scene_name="{scene}",
         settings=PYSINDY["settings"],

@@ -1,0 +1,92 @@
+"""Motions that are decoded where they are sliced, and files that are open only while they are read,
+against the same as arrays.
+"""
+
+import numpy as np
+import psutil
+import pytest
+import two_dofs
+import xarray as xr
+
+from vibrom.artefacts.data import open_dataset, save_dataset
+from vibrom.models import samples
+from vibrom.models.decoded import decoded
+from vibrom.models.measures import distance, nmte_percent
+
+RNG = np.random.default_rng(5)
+SLICES = {
+    "rows": np.s_[3:20],
+    "every third": np.s_[::3],
+    "a row": np.s_[7],
+    "the last": np.s_[-1],
+    "columns": np.s_[:, [4, 1]],
+    "some of both": np.s_[2:30:5, 1:3],
+    "a column": np.s_[:, -1],
+    "rows that are true": np.arange(40) % 3 == 1,
+    "all": np.s_[:, :],
+}
+
+
+class Linear:
+    """q = z A, and the most rows that were decoded at once."""
+
+    size, matrix, most = 5, RNG.standard_normal((2, 5)), 0
+
+    def decoded(self, coordinates, dofs=None):
+        self.most = max(self.most, len(coordinates))
+        return coordinates @ (self.matrix if dofs is None else self.matrix[:, dofs])
+
+
+@pytest.mark.parametrize("part", SLICES.values(), ids=SLICES)
+def test_a_slice_of_what_is_decoded_later_is_that_of_what_is_decoded_at_once(part, monkeypatch):
+    z, model = RNG.standard_normal((40, 2)), Linear()
+    whole = decoded(model, z)
+    assert isinstance(whole, np.ndarray)
+    monkeypatch.setattr(samples, "BLOCK", 8 * 5 * 4)
+    model.most = 0
+    lazy = decoded(model, z)
+    assert isinstance(lazy, xr.Variable) and not lazy._in_memory and model.most == 4
+    # The product of a row, of fewer columns, may add up in another order.
+    np.testing.assert_allclose(lazy[part].values, whole[part], rtol=1e-13, atol=1e-15)
+
+
+@pytest.fixture
+def stored(tmp_path, monkeypatch):
+    """A decay on disk, lazily and whole."""
+    path = tmp_path / "record.nc"
+    save_dataset(two_dofs.record(), path)
+    monkeypatch.setattr("vibrom.artefacts.on_disk.LARGE", 1000)
+    return path, open_dataset(path, "trajectory")
+
+
+@pytest.mark.parametrize("part", SLICES.values(), ids=SLICES)
+def test_a_slice_of_a_file_is_that_of_the_array(stored, part):
+    path, whole = stored
+    lazy = (
+        open_dataset(path, "trajectory", lazy=True).isel(time=slice(40)).isel(dof=[0, 1, 0, 1, 0])
+    )
+    assert not lazy["velocity"].variable._in_memory and lazy["probe"].variable._in_memory
+    found = lazy["velocity"].variable[part].values
+    np.testing.assert_array_equal(found, whole["velocity"].values[:40, [0, 1, 0, 1, 0]][part])
+
+
+def test_a_file_is_open_only_while_it_is_read(stored):
+    """HDF5 does not survive a third opening of a file with text after one of two was closed."""
+    path, whole = stored
+    first, second = (open_dataset(path, "trajectory", lazy=True) for _ in range(2))
+    for lazy in (first, second):
+        np.testing.assert_array_equal(lazy["displacement"], whole["displacement"])
+    assert str(path) not in [one.path for one in psutil.Process().open_files()]
+    del second
+    open_dataset(path, "trajectory", lazy=True)
+    assert first.identical(whole)
+
+
+def test_errors_in_blocks_are_those_of_whole_motions(monkeypatch):
+    truth, model = RNG.standard_normal((2, 50, 3))
+    wanted = np.linalg.norm(truth - model, axis=1)
+    percent = 100.0 * wanted.mean() / np.linalg.norm(truth, axis=1).max()
+    for block in (samples.BLOCK, 8 * 3 * 7):
+        monkeypatch.setattr(samples, "BLOCK", block)
+        np.testing.assert_array_equal(distance(truth, model), wanted)
+        assert nmte_percent(truth, model) == percent
