@@ -55,18 +55,7 @@ class Decay(Experiment):
             "displacement": variable(
                 ("time", "dof"), displacement, "m", "displacement of each free dof"
             ),
-            "probe_displacement": variable(
-                ("probe", "time"),
-                np.asarray(displacement[:, probes]).T,
-                "m",
-                "displacement at the probes",
-            ),
-            "probe_true": variable(
-                ("probe", "time"),
-                shapes.map(lambda block: block[:, probes]).T,
-                "m",
-                "recorded displacement at the probes",
-            ),
+            **at_probes(displacement[:, probes], shapes.map(lambda block: block[:, probes])),
             **outcome_variables(
                 ended,
                 np.nan if np.isnan(failed_at).all() else np.nanmin(failed_at),
@@ -112,6 +101,15 @@ class Decay(Experiment):
         displacement = answer["displacement"].variable
         error = distance_variable(self._true(truth, len(displacement)), displacement)
         return answer.drop_vars("displacement").assign(error)
+
+
+def at_probes(model: Any, true: np.ndarray) -> dict[str, xr.Variable]:
+    """Displacements (m, k) of the model and of the record."""
+    words = "displacement at the probes"
+    return {
+        "probe_displacement": variable(("probe", "time"), np.asarray(model).T, "m", words),
+        "probe_true": variable(("probe", "time"), true.T, "m", f"recorded {words}"),
+    }
 
 
 def one_below_the_other(arrays: list[Any]) -> Any:

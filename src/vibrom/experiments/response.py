@@ -108,12 +108,11 @@ class Response(Experiment):
         displacements.
         """
         displacements = (item["displacement"].variable for item in (truth, answer))
-        return answer.drop_vars("displacement").assign(
-            probe_true=variable(
-                ("probe", "time"),
-                truth["probe_displacement"].values,
-                "m",
-                "displacement of the full order at the probes",
-            ),
-            **distance_variable(*displacements),
+        true = variable(
+            ("probe", "time"),
+            truth["probe_displacement"].values,
+            "m",
+            "displacement of the full order at the probes",
         )
+        kept = answer.drop_vars("displacement").assign(probe_true=true)
+        return kept.assign(distance_variable(*displacements))
