@@ -27,6 +27,7 @@ NAMES = sorted(
 PLACED = {"at": [1.0, 0.1], "direction": "y", "edge": "right"}
 NUMBER = 0.3
 OTHERS = {2: {"z"}, 3: {"shear"}}
+AFTER = {"kelvin_voigt": ("geometric_nonlinearity",)}  # what gives an effect its force
 STATES = 16
 
 
@@ -59,7 +60,7 @@ def made(request):
 
 def listed(name: str, made) -> dict[str, dict]:
     """The effect after those that it may need."""
-    needed = ("inertia", "elasticity", name)
+    needed = ("inertia", "elasticity", *AFTER.get(name, ()), name)
     return {effect: settings(effect, made.dimension) for effect in needed}
 
 

@@ -32,6 +32,7 @@ from vibrom.kernels.saint_venant_kirchhoff import (
     add_tangent,
     gradient,
     quadratic_strains,
+    table_of,
     unstrained,
 )
 from vibrom.term import Force, Quartic, Term, force_kernel, tangent_kernel
@@ -49,18 +50,12 @@ class GeometricNonlinearity:
             [shape[0].grad for shape in space.scalar.basis]
         )  # (shapes, dim, elements, points) [1/m]
         shapes, dim, elements, points = gradients.shape
-        # Rigid motion changes nothing: the shape functions add up to one, and the last one's part
-        # is minus the sum of the others'.
-        kept = gradients[:-1]
-        moduli = weights * np.array([elastic[0, 0], elastic[0, 1], elastic[-1, -1]])[:, None, None]
-        geometry = np.concatenate(
-            [moduli, kept.reshape(dim * (shapes - 1), elements, points)]
-        ).transpose(1, 2, 0)
+        geometry = table_of(elastic, weights, gradients)
         stiffness = [
-            _linear_stiffness(elastic, weights[some], kept[:, :, some])
+            _linear_stiffness(elastic, weights[some], gradients[:-1, :, some])
             for some in np.array_split(np.arange(elements), -(-elements // TOGETHER))
         ]
-        table = np.concatenate([geometry.reshape(elements, -1), np.concatenate(stiffness)], axis=1)
+        table = np.concatenate([geometry, np.concatenate(stiffness)], axis=1)
         # Elements that are not there fill the last lanes: clamped and without weight.
         missing = -elements % WIDTH
         dofs = np.pad(space.element_dofs, ((0, missing), (0, 0)), constant_values=-1)

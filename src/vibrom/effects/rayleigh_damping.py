@@ -2,6 +2,11 @@
 
 `damping_ratio` zeta of the first mode omega_1 is met by the mass part:  a = 2 zeta omega_1 - b
 omega_1^2  [1/s].
+
+Both parts are of the undeformed body, and of all its motion: a M v slows the body as a whole down,
+as a fluid around it might, and b K v takes energy from the rotation of parts that have turned far,
+which no material does. Use b where rotations are small, and else `kelvin_voigt`, which is the same
+in small motions.
 """
 
 from dataclasses import dataclass

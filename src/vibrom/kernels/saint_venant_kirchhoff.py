@@ -7,6 +7,8 @@ D_12 and the shear modulus times thickness and weight, then dN_a/dX_J of all nod
 relative to which displacements are.
 """
 
+import numpy as np
+
 from vibrom.kernels.lanes import fill, inlined
 from vibrom.kernels.unrolled import sum_of, unrolled
 
@@ -91,15 +93,20 @@ def stresses(d, e):
 @unrolled
 def added_stress(d, h, more):
     """F S - D : eps; `more` are strains beside those of H."""
+    strain = tuple(x + y for x, y in zip(quadratic_strains.plain(h), more))
+    return first_stress(d, h, h, stresses.plain(d, strain))
+
+
+def first_stress(d, h, k, r):
+    """F S - D : sym K with the stress S = D : sym K + r."""
     dim = SIDES[len(h)]
-    r = stresses.plain(d, tuple(x + y for x, y in zip(quadratic_strains.plain(h), more)))
     s = []
     for number, (i, j) in enumerate(PAIRS[dim]):
         if i == j:
-            s.append(sum_of([r[number], *(d[i != k] * h[dim * k + k] for k in range(dim))]))
+            s.append(sum_of([r[number], *(d[i != m] * k[dim * m + m] for m in range(dim))]))
         else:
-            s.append(r[number] + d[2] * (h[dim * i + j] + h[dim * j + i]))
-    r, s = _square(r), _square(s)
+            s.append(r[number] + d[2] * (k[dim * i + j] + k[dim * j + i]))
+    r, s = square(r), square(s)
     return tuple(
         sum_of([*(h[dim * i + k] * s[k][j] for k in range(dim)), r[i][j]])
         for i in range(dim)
@@ -107,7 +114,7 @@ def added_stress(d, h, more):
     )
 
 
-def _square(x):
+def square(x):
     """A symmetric tensor as rows."""
     dim = 2 if len(x) == 3 else 3
     place = {pair: number for number, pair in enumerate(PAIRS[dim])}
@@ -133,7 +140,7 @@ def add_force(u, more, g, table, point, dim, states, width):
         add_share(g, p, slope(table, point, a, dim, states), a, width)
 
 
-def _block(d, row, column):
+def moduli_block(d, row, column):
     """F_iI G_jK D_IJ,KL by rows J of a row i of F and a row j of G."""
     dim = len(row)
     made = []
@@ -149,7 +156,7 @@ def _block(d, row, column):
     return made
 
 
-def _rows(h):
+def deformation(h):
     """The rows of F."""
     dim = SIDES[len(h)]
     rows = [list(h[dim * i : dim * (i + 1)]) for i in range(dim)]
@@ -162,9 +169,9 @@ def _rows(h):
 def elasticity(d, h):
     """A_iJ,jL of a point: block by block of i and j, by rows J."""
     dim = SIDES[len(h)]
-    f, s = _rows(h), _square(stresses.plain(d, strains.plain(h)))
+    f, s = deformation(h), square(stresses.plain(d, strains.plain(h)))
     stress = [s[j][l] for j in range(dim) for l in range(dim)]
-    blocks = {(i, j): _block(d, f[i], f[j]) for i in range(dim) for j in range(i, dim)}
+    blocks = {(i, j): moduli_block(d, f[i], f[j]) for i in range(dim) for j in range(i, dim)}
     for i in range(dim):
         blocks[i, i] = [x + y for x, y in zip(blocks[i, i], stress)]
         for j in range(i):  # A_jL,iJ
@@ -183,12 +190,12 @@ def mean_elasticity(d, h, k):
     for (i, j), one, more in parts:
         linear = h[dim * i + i] if i == j else h[dim * i + j] + h[dim * j + i]
         mean.append(linear + one + more)
-    s = _square(stresses.plain(d, mean))
-    f, end = _rows(h), _rows([x + y for x, y in zip(h, k)])
+    s = square(stresses.plain(d, mean))
+    f, end = deformation(h), deformation([x + y for x, y in zip(h, k)])
     made = []
     for i in range(dim):
         for j in range(dim):
-            block = _block(d, f[i], end[j])
+            block = moduli_block(d, f[i], end[j])
             stress = [s[a][b] for a in range(dim) for b in range(dim)]
             made += [x + y for x, y in zip(block, stress)] if i == j else block
     return tuple(made)
@@ -246,6 +253,19 @@ def add_whole(ke, first, size, t, m, width):
 
 
 @inlined
+def add_blocks(a_ij, ke, table, point, free, dim, states, width):
+    """Adds dN_a/dX_J A_iJ,jL dN_b/dX_L to ke, for all nodes but the last: the whole matrix, row by
+    row.
+    """
+    size = dim * (free + 1)
+    for a in range(free):
+        t = contracted(slope(table, point, a, dim, states), a_ij)
+        for b in range(free):
+            m, place = slope(table, point, b, dim, states), dim * (a * size + b)
+            add_whole(ke, place, size, t, m, width)
+
+
+@inlined
 def add_mean_tangent(u, half, ke, table, point, dim, states, width):
     """Adds a point's share of the mean force's derivative to ke, for all nodes but the last: the
     whole matrix, row by row.
@@ -253,9 +273,18 @@ def add_mean_tangent(u, half, ke, table, point, dim, states, width):
     free = u.shape[0] // dim - 1
     h = gradient(u, table, point, free, dim, states, width)
     k = gradient(half, table, point, free, dim, states, width)
-    a_ij, size = mean_elasticity(moduli(table, point, states), h, k), dim * (free + 1)
-    for a in range(free):
-        t = contracted(slope(table, point, a, dim, states), a_ij)
-        for b in range(free):
-            m, place = slope(table, point, b, dim, states), dim * (a * size + b)
-            add_whole(ke, place, size, t, m, width)
+    a_ij = mean_elasticity(moduli(table, point, states), h, k)
+    add_blocks(a_ij, ke, table, point, free, dim, states, width)
+
+
+def table_of(elastic, weights, gradients):
+    """What kernels know of a body's elements (elements, points * rows of a point), of weights
+    (elements, points) and gradients (shapes, dim, elements, points) of the shape functions.
+
+    Rigid motion changes nothing: the shape functions add up to one, and the last one's part is
+    minus the sum of the others'.
+    """
+    shapes, dim, elements, points = gradients.shape
+    moduli = weights * np.array([elastic[0, 0], elastic[0, 1], elastic[-1, -1]])[:, None, None]
+    kept = gradients[:-1].reshape(dim * (shapes - 1), elements, points)
+    return np.concatenate([moduli, kept]).transpose(1, 2, 0).reshape(elements, -1)
