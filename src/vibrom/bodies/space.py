@@ -188,7 +188,7 @@ class Space:
         return nearest
 
     def _named(self, key: str, at: str, along: np.ndarray) -> int:
-        known = [*self.groups, *(self.basis.mesh.boundaries or {})]
+        known = {**self.groups, **(self.basis.mesh.boundaries or {})}
         if at not in known:
             raise SceneError(f"{key}.at = {at!r} is no group of the mesh; {closest(at, known)}")
         found = np.intersect1d(dofs_of(self.basis, at, self.groups), along)

@@ -25,6 +25,11 @@ def body_of(content: Content, path: str) -> tuple[str, np.ndarray, np.ndarray]:
         words = " and ".join(sorted(KINDS[kind].words for kind in kinds))
         raise SceneError(f"body.mesh = {path} mixes {words}; mesh it with one of them")
     nodes, points = np.concatenate(content.elements[kinds[0]]), content.points
+    # Gmsh's format 2.2 has an element once for each of its groups.
+    _, once = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
+    nodes = nodes[np.sort(once)]
+    if not np.isfinite(points[nodes]).all():
+        raise SceneError(f"body.mesh = {path} has nodes whose place is no number; export it again")
     if dim == 2:
         off = np.ptp(points[np.unique(nodes), 2])
         if off > SAME_PLANE * np.ptp(points, axis=0).max():

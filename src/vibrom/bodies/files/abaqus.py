@@ -1,9 +1,10 @@
-"""Abaqus input files: nodes, elements, node sets and element sets of one part. What else they say
-(materials, steps) is passed over. Source: Abaqus Keywords Reference Guide.
+"""Abaqus input files: nodes, elements, sets and surfaces of one part. What else they say, materials
+and where an assembly puts the part among it, is passed over. Source: Abaqus Keywords Reference Guide.
 """
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -26,39 +27,77 @@ FAMILIES = {
     **{(family, 2): "line" for family in ("T3D", "T2D", "B", "R2D")},
     **{(family, 3): "line3" for family in ("T3D", "T2D", "B")},
 }
+# Corners of the faces S1, S2, ... of an element, by its dimension and number of corners.
+SIDES = {
+    (2, 3): ((0, 1), (1, 2), (2, 0)),
+    (2, 4): ((0, 1), (1, 2), (2, 3), (3, 0)),
+    (3, 4): ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    (3, 6): ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+    (3, 8): (
+        (0, 1, 2, 3),
+        (4, 7, 6, 5),
+        (0, 4, 5, 1),
+        (1, 5, 6, 2),
+        (2, 6, 7, 3),
+        (3, 7, 4, 0),
+    ),
+}
 TYPE = re.compile(r"(C3D|CPS|CPE|STRI|SFM3D|M3D|R3D|DS|T3D|T2D|B2|B3|R2D|S)(\d+)")
+
+
+@dataclass
+class Model:
+    """What a file has said so far. Names of sets are one in capitals and small letters."""
+
+    place: dict[int, list[float]] = field(default_factory=dict)  # number -> coordinates
+    # kind -> number -> numbers of nodes
+    elements: dict[str, dict[int, list[int]]] = field(default_factory=dict)
+    sets: dict[tuple[str, str], list[int]] = field(default_factory=dict)  # NSET or ELSET, NAME
+    facets: dict[str, list[list[int]]] = field(default_factory=dict)  # of a surface, nodes
+    words: dict[str, str] = field(default_factory=dict)  # NAME -> as it is first written
+
+    def set_of(self, keyword: str, name: str) -> list[int]:
+        """The members of a set, to be added to."""
+        self.words.setdefault(name.upper(), name)
+        return self.sets.setdefault((keyword, name.upper()), [])
+
+    def members(self, keyword: str, word: str) -> list[int]:
+        """Of a set that another names, or the one that a number names."""
+        if word.isdigit():
+            return [int(word)]
+        if (keyword, word.upper()) not in self.sets:
+            raise Unreadable(f"it names a set {word!r} that is not there before; export it again")
+        return self.sets[keyword, word.upper()]
+
+    def found(self, number: int) -> tuple[str, list[int]]:
+        """The kind and the nodes of an element."""
+        for kind, known in self.elements.items():
+            if number in known:
+                return kind, known[number]
+        raise Unreadable(f"it names an element {number} that is not there; export it again")
 
 
 def read(path: Path) -> Content:
     """See `files.read`."""
-    parts, points, tags = 0, [], []
-    elements: dict[str, tuple[list, list]] = {}  # kind -> numbers, and tags of nodes
-    sets: dict[tuple[str, str], list[int]] = {}
+    parts, model = 0, Model()
     for keyword, options, lines in _blocks(path):
         if keyword == "PART":
             parts += 1
         elif keyword == "NODE":
-            rows = [[float(word) for word in _words(line)] for line in lines]
-            tags += [int(row[0]) for row in rows]
-            points += [(row[1:4] + [0.0, 0.0])[:3] for row in rows]
+            _add_nodes(model, options, lines)
         elif keyword == "ELEMENT":
-            kind = _kind(options["TYPE"])
-            numbers, nodes = elements.setdefault(kind, ([], []))
-            rows = _rows(lines, 1 + _nodes(kind))
-            numbers += [row[0] for row in rows]
-            nodes += [row[1:] for row in rows]
-            if "ELSET" in options:
-                sets.setdefault(("ELSET", options["ELSET"]), []).extend(row[0] for row in rows)
+            _add_elements(model, options, lines)
         elif keyword in ("NSET", "ELSET"):
-            members = sets.setdefault((keyword, options[keyword]), [])
-            members += _members(lines, "GENERATE" in options, sets, keyword)
+            _add_members(model, keyword, options, lines)
+        elif keyword == "SURFACE" and "NAME" in options:
+            _add_surface(model, options, lines)
         elif keyword == "INCLUDE":
             raise Unreadable("it includes another file; write it as one")
     if parts > 1:
         raise Unreadable(f"it has {parts} parts; export the one that is the body")
-    if not tags or not elements:
+    if not model.place or not model.elements:
         raise Unreadable("it has no *NODE or no *ELEMENT; export the mesh itself")
-    return _content(np.array(tags), np.array(points), elements, sets)
+    return _content(model)
 
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[str]]]:
@@ -105,32 +144,88 @@ def _rows(lines: list[str], length: int) -> list[list[int]]:
     return [numbers[first : first + length] for first in range(0, len(numbers), length)]
 
 
-def _members(lines: list[str], generate: bool, sets: dict, keyword: str) -> list[int]:
+def _once(known: dict, number: int, value: list, what: str) -> None:
+    if known.setdefault(number, value) != value:
+        raise Unreadable(f"it has two {what} with the number {number}; number them anew")
+
+
+def _add_nodes(model: Model, options: dict[str, str], lines: list[str]) -> None:
+    rows = [[float(word) for word in _words(line)] for line in lines]
+    for row in rows:
+        _once(model.place, int(row[0]), (row[1:4] + [0.0, 0.0])[:3], "nodes")
+    if "NSET" in options:
+        model.set_of("NSET", options["NSET"]).extend(int(row[0]) for row in rows)
+
+
+def _add_elements(model: Model, options: dict[str, str], lines: list[str]) -> None:
+    kind = _kind(options["TYPE"])
+    rows = _rows(lines, 1 + _nodes(kind))
+    for row in rows:
+        _once(model.elements.setdefault(kind, {}), row[0], row[1:], "elements")
+    if "ELSET" in options:
+        model.set_of("ELSET", options["ELSET"]).extend(row[0] for row in rows)
+
+
+def _add_members(model: Model, keyword: str, options: dict[str, str], lines: list[str]) -> None:
     found: list[int] = []
+    if keyword == "NSET" and "ELSET" in options:
+        for number in model.members("ELSET", options["ELSET"]):
+            found += model.found(number)[1]
     for line in lines:
         words = _words(line)
-        if generate:
+        if "GENERATE" in options:
             first, last, step = (*map(int, words), 1)[:3]
             found += range(first, last + 1, step)
             continue
         for word in words:
-            found += [int(word)] if word.isdigit() else sets[keyword, word]
-    return found
+            found += model.members(keyword, word)
+    model.set_of(keyword, options[keyword]).extend(found)
 
 
-def _content(tags: np.ndarray, points: np.ndarray, elements: dict, sets: dict) -> Content:
-    content, place = Content(points), {tag: number for number, tag in enumerate(tags.tolist())}
-    for kind, (numbers, nodes) in elements.items():
-        rows = np.array([[place[tag] for tag in row] for row in nodes])
-        content.elements[kind] = [rows]
-        row_of = {number: row for row, number in enumerate(numbers)}
-        for (keyword, name), members in sets.items():
-            some = [row_of[member] for member in members if member in row_of]
+def _add_surface(model: Model, options: dict[str, str], lines: list[str]) -> None:
+    """Faces of elements, each a set or an element and a face; or nodes."""
+    name = options["NAME"]
+    if options.get("TYPE", "").upper() == "NODE":
+        for line in lines:
+            model.set_of("NSET", name).extend(model.members("NSET", _words(line)[0]))
+        return
+    found = model.facets.setdefault(name.upper(), [])
+    model.words.setdefault(name.upper(), name)
+    for line in lines:
+        of, *face = _words(line)
+        for number in model.members("ELSET", of):
+            kind, nodes = model.found(number)
+            sides, which = SIDES.get(SHAPES[kind], ()), face[0].upper() if face else ""
+            if which not in [f"S{k}" for k in range(1, len(sides) + 1)]:
+                raise Unreadable(
+                    f"its surface {name} names no face of its elements (S1 to S{len(sides)})"
+                )
+            found.append([nodes[corner] for corner in sides[int(which[1:]) - 1]])
+
+
+def _content(model: Model) -> Content:
+    row_of = {number: row for row, number in enumerate(model.place)}
+
+    def rows(numbers: list) -> np.ndarray:
+        try:
+            return np.array([[row_of[number] for number in some] for some in numbers])
+        except KeyError as error:
+            raise Unreadable(f"it names a node {error} that is not there") from error
+
+    content = Content(np.array(list(model.place.values())))
+    groups: dict[str, list[np.ndarray]] = {}
+    for kind, known in model.elements.items():
+        content.elements[kind] = [rows(list(known.values()))]
+        for (keyword, name), members in model.sets.items():
+            some = [known[member] for member in members if member in known]
             if keyword == "ELSET" and some:
-                corners = rows[some, : SHAPES[kind][1]]
-                content.groups.setdefault(name, []).append(corners)
-    for (keyword, name), members in sets.items():
-        if keyword == "NSET":
-            nodes = np.array([[place[tag]] for tag in members])
-            content.groups.setdefault(name, []).append(nodes)
+                groups.setdefault(name, []).append(rows(some)[:, : SHAPES[kind][1]])
+    for (keyword, name), members in model.sets.items():
+        if keyword == "NSET" and members:
+            groups.setdefault(name, []).append(rows([[member] for member in members]))
+    for name, facets in model.facets.items():
+        for corners in sorted({len(facet) for facet in facets}):
+            some = [facet for facet in facets if len(facet) == corners]
+            groups.setdefault(name, []).append(rows(some))
+    content.groups = {model.words[name]: parts for name, parts in groups.items()}
     return content
