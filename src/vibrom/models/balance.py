@@ -23,7 +23,6 @@ a period.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -39,6 +38,7 @@ from vibrom.models.recorded import differences
 from vibrom.term import Force, Term
 
 PARTS = 20  # of a period, between samples: v'C v has twice the frequency of the motion
+TOGETHER = 2**17  # numbers that are worked on at once: what a processor has close by
 SAMPLES = 60  # of a period, of motions that are known by their displacement
 
 
@@ -86,6 +86,7 @@ class Seen(NamedTuple):
     q: np.ndarray  # (m, n, states) m
     v: np.ndarray  # (m, n, states) m/s
     a: np.ndarray  # (m, n, states) m/s^2
+    u: np.ndarray  # (m, k, states) signals of the loads
 
     def after(self, before: Seen | None) -> Seen:
         """With the last sample of those before."""
@@ -134,21 +135,25 @@ class Ledger:
         """See `Observer.see`."""
         runs, whole = (where.start, where.stop), (steps - self.first) % self.per_period == 0
         self._states.setdefault(runs, []).append(np.stack([q[whole], v[whole]]))
-        seen = Seen(steps, q, v, a).after(self._last.get(runs))
-        self._last[runs] = Seen(*(part[-1:].copy() for part in seen))
         passed = self._by_steps if self._stepwise else self._by_samples
-        self._parts.setdefault(runs, []).append(passed(seen, where))
+        u, few = self._signals(steps, where), max(1, TOGETHER // q[0].size)
+        for first in range(0, len(steps), few):
+            block = (part[first : first + few] for part in (steps, q, v, a, u))
+            seen = Seen(*block).after(self._last.get(runs))
+            self._last[runs] = Seen(*(part[-1:].copy() for part in seen))
+            self._parts.setdefault(runs, []).append(passed(seen, where))
 
     def _by_samples(self, seen: Seen, where: slice) -> np.ndarray:
         """What is taken and given between them, by the trapezoidal rule with its correction."""
-        _, _, v, a = seen
+        _, _, v, a, u = seen
         dragged, none = self._dragged(v), np.zeros(v[:, 0].shape)
         taken, rate = _along(v, dragged), 2.0 * _along(a, dragged)
         given, change = none, none
         if isinstance(self.drive, Drive) and self.term.load is not None:
-            u, slope = self._sine(self.drive, seen.steps, where)
+            phase = 2.0 * np.pi * seen.steps[:, None] / self.per_period
+            slope = np.cos(phase) * (self.drive.amplitude * self.drive.frequency)[where]
             speed, faster = (np.einsum("n,mnw->mw", self.term.load, x) for x in (v, a))
-            given, change = u * speed, slope * speed + u * faster
+            given, change = u[:, 0] * speed, slope * speed + u[:, 0] * faster
         h = self.apart * self.step[where]
         value, rates = np.stack([taken, given]), np.stack([rate, change])
         parts = 0.5 * h * (value[:, 1:] + value[:, :-1])
@@ -156,7 +161,7 @@ class Ledger:
 
     def _by_steps(self, seen: Seen, where: slice) -> np.ndarray:
         """What is taken and given in each step."""
-        steps, q, v, _ = seen
+        _, q, v, _, u = seen
         way = np.diff(q, axis=0)
         against = self._dragged(v)
         if self._taking:
@@ -164,10 +169,8 @@ class Ledger:
             found = forces(replace(self.term, forces=self._taking), *flat)
             against = against + found.reshape(v.shape[1], len(v), -1).transpose(1, 0, 2)
         taken = _along(way, 0.5 * (against[1:] + against[:-1]))
-        given = np.zeros_like(taken)
-        for load, u in self._pushing(steps, where):
-            given += np.einsum("n,mnw->mw", load, way) * 0.5 * (u[1:] + u[:-1])
-        return np.stack([taken, given])
+        along = np.einsum("kn,mnw->mkw", self._loads, way, optimize=True)
+        return np.stack([taken, np.sum(along * 0.5 * (u[1:] + u[:-1]), axis=1)])
 
     def _dragged(self, v: np.ndarray) -> np.ndarray:
         """C v (m, n, states) [N]."""
@@ -176,19 +179,22 @@ class Ledger:
         flat = v.transpose(1, 0, 2).reshape(v.shape[1], -1)
         return (self.term.damping @ flat).reshape(v.shape[1], len(v), -1).transpose(1, 0, 2)
 
-    def _pushing(self, steps: np.ndarray, where: slice) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Each load (n,) [N] with its signal (m, states)."""
+    @cached_property
+    def _loads(self) -> np.ndarray:
+        """(k, n) [N] per unit of each signal."""
         if isinstance(self.drive, Signals):
-            values = self.drive.value(self.step[0] * steps)[where].transpose(1, 2, 0)
-            yield from zip(self.drive.load, values)
-        elif self.drive is not None and self.term.load is not None:
-            yield self.term.load, self._sine(self.drive, steps, where)[0]
+            return self.drive.load
+        driven = None if self.drive is None else self.term.load
+        return np.zeros((0, self.term.size)) if driven is None else driven[None]
 
-    def _sine(self, drive: Drive, steps: np.ndarray, where: slice) -> tuple[np.ndarray, np.ndarray]:
-        """The signal (m, states), and what it changes by."""
-        phase = 2.0 * np.pi * steps[:, None] / self.per_period
-        amplitude = drive.amplitude[where]
-        return np.sin(phase) * amplitude, np.cos(phase) * amplitude * drive.frequency[where]
+    def _signals(self, steps: np.ndarray, where: slice) -> np.ndarray:
+        """(m, k, states) of the loads."""
+        if isinstance(self.drive, Signals):
+            return self.drive.value(self.step[0] * steps)[where].transpose(2, 1, 0)
+        if isinstance(self.drive, Drive) and len(self._loads):
+            phase = 2.0 * np.pi * steps[:, None, None] / self.per_period
+            return np.sin(phase) * self.drive.amplitude[where]
+        return np.zeros((len(steps), 0, where.stop - where.start))
 
     def balance(self) -> np.ndarray:
         """b (b,); NaN where the run has not a whole period."""

@@ -1,5 +1,7 @@
 """Abaqus input files: nodes, elements, sets and surfaces of one part. What else they say, materials
-and where an assembly puts the part among it, is passed over. Source: Abaqus Keywords Reference Guide.
+and where an assembly puts the part among it, is passed over.
+
+Source: Abaqus Keywords Reference Guide; Abaqus Elements Guide (faces).
 """
 
 import re
