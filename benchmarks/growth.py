@@ -3,7 +3,7 @@
 Longer bodies have the same band, finer ones a wider band; both elements. Each body starts straight
 with a wavy velocity, as long as the first metre (or as the plate), which takes the same Newton
 iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A
-body whose band is wider than `Newmark.widest_band` is factorised as a sparse matrix, by SciPy's
+body whose band is wider than `newmark.WIDEST` is factorised as a sparse matrix, by SciPy's
 SuperLU or, where it is installed, by PARDISO; square plates on both sides of that bound are timed
 both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
 body, is listed. The exponent is that of a power law fitted to the bodies above 1000 degrees of
@@ -26,7 +26,7 @@ from benchmarks.table import Row
 from vibrom.solvers.full.newmark import Record
 from vibrom.solvers.full.tangent import PyPardisoSolver
 
-WIDEST = NEWMARK.widest_band
+WIDEST = None  # as `Newmark` chooses
 TIME, MEMORY = "time per step", "memory beyond the smallest"
 # family -> element, and (cells, length [m], widest band) of its bodies
 FAMILIES = {
@@ -42,7 +42,7 @@ FAMILIES = {
 }
 
 
-def one(element: str, cells: tuple[int, int], length: float | str, widest: int) -> dict:
+def one(element: str, cells: tuple[int, int], length: float | str, widest: int | None) -> dict:
     plate = length == "square"
     size, wave = (0.02, 0.02) if plate else (length, 1.0)
     model = build(("modal_load",), element=element, cells=tuple(cells), length=size)

@@ -13,6 +13,7 @@ from vibrom.bodies import space
 from vibrom.solvers.full import factors, static
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
+from vibrom.term import Term
 
 TIP = {"tip": {"at": [1.0, 0.2, 0.2], "direction": "y"}}
 BLOCK = {"shape": "block", "height": 0.2, "width": 0.2, "element": "trilinear"}
@@ -75,3 +76,11 @@ def test_steps_with_sparse_factors_are_those_in_the_band(wide):
     ours, theirs = (run.displacement[0, -1] for run in runs)
     # Twenty steps, each converged to 1e-9 of its forces.
     np.testing.assert_allclose(ours, theirs, atol=1e-6 * np.abs(theirs).max())
+
+
+def test_how_wide_a_band_may_be_depends_on_the_dimension():
+    """Factors of bodies in space fill more; what is asked for is taken."""
+    plane, solid = (Term(elastic=np.eye(strains)) for strains in (3, 6))
+    assert Newmark().is_wide(plane, 550) and not Newmark().is_wide(solid, 550)
+    assert not Newmark().is_wide(plane, 250) and Newmark().is_wide(solid, 650)
+    assert Newmark(widest_band=3).is_wide(solid, 4) and not Newmark(widest_band=9).is_wide(plane, 9)

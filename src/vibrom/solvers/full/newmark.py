@@ -32,6 +32,13 @@ from vibrom.term import SceneError, Term
 
 ACCELERATIONS = ("equilibrium", "zero")
 
+# By the dimension of a body. Sparse factors of plane bodies fill less than the band from some width
+# on, those of bodies in space hardly ever. Seconds of a step over those in the band, by PARDISO and
+# by SciPy: square plates 1.5 and 1.1 at 245, 1.5 and 1.4 at 329, 0.8 and 0.8 at 345; cubes and bars
+# 2.5 and 1.1 at 245, 2.2 and 1.7 at 275, 2.0 and 1.5 at 590, 1.1 (PARDISO) at 869, where a band of
+# the sixteen states that are carried side by side takes gigabytes.
+WIDEST = {2: 300 if PyPardisoSolver else 500, 3: 600}
+
 
 @dataclass(frozen=True)
 class Newmark:
@@ -43,10 +50,7 @@ class Newmark:
     max_iterations: int = 25  # of Newton, a step
     # Refactorise if, at the current rate, Newton needs more than this many further iterations.
     patience: float = 3.0
-    # Half bandwidth beyond which a sparse factorisation is taken. The square plates of
-    # benchmarks/growth.py, which reach 345, are faster in the band than by SuperLU, and take more
-    # memory in it the wider it is; PARDISO overtakes earlier.
-    widest_band: int = 250 if PyPardisoSolver else 500
+    widest_band: int | None = None  # half bandwidth beyond which steps are sparse; None: WIDEST
 
     def run(
         self,
@@ -112,9 +116,16 @@ class Newmark:
     def _method(self, term: Term) -> tuple[type[Stepper], int]:
         """How the steps of a term are taken, and the half bandwidth of its tangent."""
         half = half_bandwidth(term)
-        if half > self.widest_band:
+        if self.is_wide(term, half):
             return SparseSteps, half
         return BandedSteps if term.forces else LinearSteps, half
+
+    def is_wide(self, term: Term, half: int) -> bool:
+        """Is a band of this half width beyond what is stored as one?"""
+        if self.widest_band is not None:
+            return half > self.widest_band
+        in_space = term.elastic is not None and len(term.elastic) == 6
+        return half > WIDEST[3 if in_space else 2]
 
 
 def half_bandwidth(term: Term) -> int:

@@ -94,7 +94,7 @@ def carried(
     acceleration, dh (c,) [s] and du (c,).
     """
     half, term = half_bandwidth(path.term), path.term
-    if half > path.newmark.widest_band or not all(force.symmetric for force in term.forces):
+    if path.newmark.is_wide(term, half) or not all(force.symmetric for force in term.forces):
         return _carried_sparse(path, start, by_step, by_signal)
     return _carried_banded(path, half, start, by_step, by_signal)
 
