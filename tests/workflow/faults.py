@@ -1,5 +1,7 @@
 """Faults in a small run, one after the other: `python tests/workflow/faults.py [rounds [targets]]`.
 
+With the targets `scores tables` all that is compared is made, and no figures, report and store.
+
 In each round something is spoilt: the run or one of its jobs is killed, the disk is full, artefacts
 are damaged or change places, the clock goes back, two runs start at once. Then the same command
 must end well, by itself or after what its one line asks for, and all tables that hold no time must
