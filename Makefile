@@ -66,8 +66,10 @@ report: environment
 	$(BIN)/snakemake --cores $(CORES) --report results/snakemake_report.html
 	@echo "Next: open results/snakemake_report.html"
 
-# In a folder of its own, so that nothing is taken from earlier runs.
+# In a folder of its own, so that nothing is taken from other runs. One that was interrupted goes on.
 reproduce: environment
+	@[ ! -d results_reproduced ] || \
+	    echo "results_reproduced is there: what this code made of it is kept; delete it for a run from nothing."
 	$(BIN)/snakemake --cores $(CORES) scores --config results=results_reproduced
 	$(BIN)/vibrom compare results_reproduced/scores.csv
 

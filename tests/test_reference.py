@@ -93,8 +93,13 @@ def test_the_command_ends_with_what_differs(tmp_path):
     assert reference.compared(OWN, tmp_path / "kept.csv")[1]
     assert len(pd.read_csv(tmp_path / "kept.csv")) == len(table)
     table.loc[0, "value"] = "-1e9"
+    table.loc[1, "metric"], gone = "another", 2
+    table = table.drop(index=gone)
     table.to_csv(tmp_path / "scores.csv", index=False)
     command = [sys.executable, "-m", "vibrom", "compare", str(tmp_path / "scores.csv")]
     answer = subprocess.run([*command, "--reference", OWN], capture_output=True, text=True)
     assert answer.returncode == 1 and "-1e+09, the reference" in answer.stdout
-    assert answer.stdout.startswith(f"{len(table) - 1} of {len(table)} scores of")
+    head, *lines = answer.stdout.splitlines()
+    assert head.startswith(f"{len(table) - 2} of {len(table) + 1} scores of")
+    assert "; 1 differ, 2 are missing, 1 are new, of those of" in head
+    assert len(lines) == 4 and [line.endswith("is new") for line in lines] == [False] * 3 + [True]

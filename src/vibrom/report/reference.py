@@ -24,6 +24,9 @@ TRAINED = {"percent": (0.5, 0.02), "1": (0.5, 1.0)}
 OTHERS = 1e-3, 0.0  # frequencies and the like, and what is counted
 
 
+MISSING, NEW = "is missing", "is new"
+
+
 class Difference(NamedTuple):
     """One score that is not the reference's."""
 
@@ -59,7 +62,7 @@ def differences(fresh: pd.DataFrame, reference: pd.DataFrame) -> Iterator[Differ
         scene, method, seed, experiment, metric, unit = key
         name = f"{scene}, {method}, {seed}: {experiment} {metric}"
         if key not in fresh.index:
-            yield Difference(name, "is missing")
+            yield Difference(name, MISSING)
             continue
         found = fresh.loc[key]
         if seed == UNSEEDED and found["outcome"] != wanted["outcome"]:
@@ -72,7 +75,7 @@ def differences(fresh: pd.DataFrame, reference: pd.DataFrame) -> Iterator[Differ
             allowed = f"{share:.1%} + {least:g}" if least else f"{share:.1%}"
             yield Difference(name, f"{one:.6g}, the reference {other:.6g} {unit} ({allowed})")
     for key in fresh.index.difference(reference.index):
-        yield Difference(f"{key[0]}, {key[1]}, {key[2]}: {key[3]} {key[4]}", "is new")
+        yield Difference(f"{key[0]}, {key[1]}, {key[2]}: {key[3]} {key[4]}", NEW)
 
 
 def keep(fresh: str | Path, reference: str | Path) -> str:
@@ -86,6 +89,9 @@ def compared(fresh: str | Path, reference: str | Path) -> tuple[str, bool]:
     """What to print, and whether all is as it should be."""
     run, known = read(fresh), read(reference)
     found = list(differences(run, known))
-    same = len(known) - sum(one.words != "is new" for one in found)
-    head = f"{same} of {len(known)} scores of {reference} are reproduced."
-    return "\n".join([head, *map(str, found)]), not found
+    missing, new = (sum(one.words == words for one in found) for words in (MISSING, NEW))
+    differ = len(found) - missing - new
+    head = f"{len(known) - differ - missing} of {len(known)} scores of {reference} are reproduced"
+    if found:
+        head += f"; {differ} differ, {missing} are missing, {new} are new, of those of {fresh}"
+    return "\n".join([f"{head}.", *map(str, found)]), not found
