@@ -20,15 +20,25 @@ from faults import tables
 from miniature import Run
 from project_copy import ROOT, change
 
+from vibrom.config import settings
+from vibrom.config.memory import mem_mb
+
 SCRIPT = Path(__file__).with_name("slurm.sh")
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel")
 STALLED = 1800  # s without a sign of progress; how long the whole takes depends on the machine
 BY_TIMES = {"break_even", "cheapest", "run_times"}  # tables whose rows are chosen by wall times
 ASKS = {"threads": 2, "runtime": 30}  # for its fit, in the file of a method
-# Notes what Slurm is asked for.
+KINDS = {  # of jobs that are submitted alone, for their memory
+    "fit_ssmlearn_wild": "fit",
+    "full_order_frc_wild": "full_order_answer",
+    "fit_equations_wild": "equations",
+    "trust_models_wild": "study_models",
+}
+# Notes what Slurm is asked for, and, where nothing is to start, what it says to that.
 SBATCH = """#!/bin/sh
 printf '%s\\n' "$*" >> {log}
-exec {program} $SBATCH_TEST "$@"
+[ -z "$SBATCH_TEST" ] || {{ {program} --test-only "$@" 2>> {log}; exit 1; }}
+exec {program} "$@"
 """
 
 
@@ -144,7 +154,10 @@ def test_a_killed_job_is_submitted_again_and_the_run_ends_well(submitted, cluste
 
 
 def test_memory_time_and_threads_come_from_the_rules(submitted, cluster):
-    assert {int(size) for size in submitted.asked("", "--mem")} <= {*range(700, 1700)}
+    overlay = ROOT / "tests/workflow/small_dag.yaml"
+    scene = settings.load(ROOT / "config", [overlay]).scenes["folding"].to_builtins()
+    for rule, kind in KINDS.items():
+        assert submitted.asked(rule, "--mem") == {str(mem_mb(scene, kind))}, rule
     assert submitted.asked("fit_modal_projection", "-t") == {str(ASKS["runtime"])}
     assert submitted.asked("fit_modal_projection", "--cpus-per-task") == {str(ASKS["threads"])}
     assert submitted.asked("fit_ssmlearn", "-t") == {"60"}  # minutes, of the profile
@@ -164,12 +177,12 @@ def test_a_fit_on_a_gpu_asks_for_one(submitted, cluster):
     run = subprocess.run(
         [*submitted.line, "--config", "device=cuda", "--", target],
         cwd=submitted.made.folder,
-        env=submitted.environment | {"SBATCH_TEST": "--test-only"},
+        env=submitted.environment | {"SBATCH_TEST": "1"},
         capture_output=True,
         text=True,
     )
-    assert submitted.asked("fit_split_", "--gpus") == {"1"}
-    assert re.search(r"Job \d+ to start at", run.stdout + run.stderr), run.stdout + run.stderr
+    assert submitted.asked("fit_split_", "--gpus") == {"1"}, run.stdout + run.stderr
+    assert re.search(r"Job \d+ to start at", submitted.calls.read_text())
 
 
 def test_the_tables_are_those_of_a_local_run(submitted, cluster, tmp_path):
