@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from vibrom.artefacts.hardware import description
 from vibrom.artefacts.provenance import versions
-from vibrom.report.page import image, plain, resource
+from vibrom.report.page import image, resource
 
 COLUMNS = ["benchmark", "quantity", "value", "unit", "rival", "rival_value", "ratio"]
 
@@ -67,9 +67,8 @@ def compose(sections: list[Section]) -> str:
                 lambda value: "" if pd.isna(value) else f"{value:.3g}"
             ),
         }
-        return plain(
-            pd.DataFrame({key: column for key, column in cells.items() if (column != "").any()})
-        )
+        kept = pd.DataFrame({key: column for key, column in cells.items() if (column != "").any()})
+        return Markup(kept.to_html(index=False, border=0, classes="data", justify="left"))
 
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     template = Path(__file__).with_name("page.html.j2").read_text(encoding="utf-8")
