@@ -129,6 +129,6 @@ def test_an_edit_remakes_its_family_alone(package, file, old, new, runs):
 
 def test_what_all_figures_share_remakes_no_table(package):
     before = digests()
-    rewrite(package / "report/drawing/style.py", '"font.size": 8', '"font.size": 9')
+    rewrite(package / "report/drawing/style.py", '"font.size": ', '"font.size": 1 + ')
     drawings = {("figures", family) for family in outputs.families()}
     assert changed(before) == drawings | {"report"}  # whose plots look alike

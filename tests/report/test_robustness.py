@@ -89,7 +89,7 @@ def test_full_order_at_coarse_steps(collection):
     assert whole["peak_error_percent"] == pytest.approx(-10.0) and whole["gamma"] == 0.55
     other = [row["median_amplitude_error_percent"] for row in rows if row["forcing"] == 2.0]
     assert np.isnan(other).all()  # nothing to compare with
-    assert b"no_convergence 1" in tables.render(made, "html", "")
+    assert b"no_<wbr>convergence 1" in tables.render(made, "html", "")
     assert rb"$\gamma$" in tables.render(made, "tex", "")
 
 
