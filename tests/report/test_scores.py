@@ -89,3 +89,5 @@ def test_every_run_has_its_work_balance_as_a_score(collection, scores):
         assert np.array_equal(row.value, 100.0 * value, equal_nan=True)
         broken = value > study.attrs["tolerance"]
         assert (row.outcome == Tally(["unbalanced"])) == broken
+    metrics = {row.metric for row in scores.of_experiment("small", "split", "balance")}
+    assert metrics == {"decay_percent", "forced_percent"}  # the scene has no other run

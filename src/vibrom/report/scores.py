@@ -174,11 +174,13 @@ def _balance(key: Key, dataset: xr.Dataset) -> list[Score]:
 
 
 def _balances(key: Key, study: xr.Dataset) -> list[Score]:
-    """Those of every fit of a scene."""
+    """Those of every fit of a scene, in the runs that the scene has."""
     found = []
     fits = [study[name].values.tolist() for name in ("model", "model_seed", "outcome")]
     for run in MODEL_RUNS:
-        values = study[f"{run}_balance"].values if f"{run}_balance" in study else ()
+        values = study[f"{run}_balance"].values if f"{run}_balance" in study else np.empty(0)
+        if np.isnan(values).all():
+            continue
         for value, model, seed, ended in zip(values, *fits):
             whose = key._replace(model=model, seed=None if seed == FITTED_ONCE else int(seed))
             word = Outcome.UNBALANCED if value > study.attrs["tolerance"] else ended
