@@ -33,10 +33,8 @@ from vibrom.term import SceneError, Term
 ACCELERATIONS = ("equilibrium", "zero")
 
 # By the dimension of a body. Sparse factors of plane bodies fill less than the band from some width
-# on, those of bodies in space hardly ever. Seconds of a step over those in the band, by PARDISO and
-# by SciPy: square plates 1.5 and 1.1 at 245, 1.5 and 1.4 at 329, 0.8 and 0.8 at 345; cubes and bars
-# 2.5 and 1.1 at 245, 2.2 and 1.7 at 275, 2.0 and 1.5 at 590, 1.1 (PARDISO) at 869, where a band of
-# the sixteen states that are carried side by side takes gigabytes.
+# on, and steps are then faster with them (`python -m benchmarks growth`). In space the band stays
+# faster, until that of the sixteen states that are carried side by side takes gigabytes.
 WIDEST = {2: 300 if PyPardisoSolver else 500, 3: 600}
 
 
