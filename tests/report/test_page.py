@@ -143,12 +143,12 @@ def test_the_page_is_the_same_twice(made):
 
 def test_scores_csv_is_what_the_artefacts_say(made, real):
     lines = (made / "scores.csv").read_text().splitlines()
-    assert lines[0] == "scene,method,seed,experiment,metric,value,unit,seconds,outcome"
+    assert lines[0] == "scene,method,seed,experiment,metric,value,unit,seconds,outcome,endings"
     assert len(lines) == 1 + len(Scores.of(real).rows)
     assert any(
         line.startswith("small,modal_projection,unseeded,decay,nmte_percent,") for line in lines
     )
-    assert any(line.startswith("small,split,1,frc,completed,9,1,") for line in lines)
+    assert any(line.startswith("small,split,1,frc,completed,9.0,1,") for line in lines)
 
 
 def test_the_store_has_a_run_for_each_model(made, small, real):

@@ -55,6 +55,17 @@ def test_the_drawn_seed_is_the_middle_one_and_failed_seeds_come_last():
     assert scores.median_seed("small", "split", [0, 2]) == 2
 
 
+def test_scores_come_back_from_their_file_as_they_were(tmp_path, scores):
+    hostile = [
+        Score("NA", "1e5", None, "frc", "completed", np.nan, "1", np.nan, Tally()),
+        Score("01", "null", 7, "frc", "error", 0.1 + 0.2, "percent", np.inf, Tally(["ok"] * 33)),
+        Score("on", "a, b", 0, "frc", "e", 5e-324, "1", 0.0, Tally(["ok", "diverged", "ok"])),
+    ]
+    (tmp_path / "scores.csv").write_text(Scores([*hostile, *scores.rows]).to_csv())
+    back = Scores.read(tmp_path / "scores.csv").rows
+    assert list(map(repr, back)) == list(map(repr, [*hostile, *scores.rows]))
+
+
 def test_scores_are_those_of_the_artefacts(collection, scores):
     answer = collection.find("small", "split", "frc", 1)
     own = scores.of_experiment("small", "split", "frc")

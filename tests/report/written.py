@@ -16,15 +16,16 @@ PLUGS = {drawing.plug for drawing in FIGURES.values()}
 def write(small, folder: Path) -> None:
     """Into this folder; the page twice."""
     common = {"artefacts": small.paths, "provenance": PROVENANCE}
+    known = {"scores": str(folder / "scores.csv")}
+    scored = {*small.settings.experiments, "train", "test", "trust"}
+    predictions = [path for path in small.paths if Path(path).stem in scored]
+    scores.run(predictions=predictions, provenance=PROVENANCE, **known)
     written = [str(folder / "tables" / f"{name}.csv") for name in TABLES]
-    output.run(kind="tables", outputs=written, **common)
+    output.run(kind="tables", outputs=written, **known, **common)
     pictures = [str(folder / "figures" / f"{name}.svg") for name in FIGURES]
     output.run(kind="figures", outputs=pictures[:2], **common)
     for path in pictures[2:]:  # what is in a picture is tested elsewhere
         Path(path).write_text("<svg/>")
-    scored = {*small.settings.experiments, "train", "test", "trust"}
-    predictions = [path for path in small.paths if Path(path).stem in scored]
-    scores.run(predictions=predictions, scores=str(folder / "scores.csv"), provenance=PROVENANCE)
     captions = outputs.captions({"tables": TABLES, "figures": list(PLUGS)})
     for name in ("report.html", "again.html"):
         report.run(
@@ -32,10 +33,12 @@ def write(small, folder: Path) -> None:
             figures=pictures,
             tables_shown=TABLES,
             captions={key: [*caption] for key, caption in captions.items()},
+            **known,
             **common,
         )
     store, artifacts = str(folder / "mlflow.db"), str(folder / "artifacts")
-    kept = {"scores": str(folder / "scores.csv"), "tables": written, "figures": pictures[:1]}
-    tracking.run(store=store, artifacts=artifacts, **kept, **common)
+    kept = {"tables": written, "figures": pictures[:1]}
+    tracking.run(store=store, artifacts=artifacts, **known, **kept, **common)
     end = {"report": str(folder / "report.html"), "headline": str(folder / "headline.txt")}
-    headline.run(store=store, crate=str(folder / "ro-crate-metadata.json"), **end, **common)
+    crate = str(folder / "ro-crate-metadata.json")
+    headline.run(store=store, crate=crate, **known, **end, **common)

@@ -11,6 +11,7 @@ for PART in parts():
         name:
             PART.name
         input:
+            **scored(PART),
             artefacts=made_from(PART),
         output:
             outputs=in_report(PART),

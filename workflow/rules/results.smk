@@ -28,6 +28,7 @@ rule scores:
 rule report:
     input:
         artefacts=all_artefacts(),
+        scores=rules.scores.output.scores,
         figures=files("figures", forms=("svg", "png")),
     output:
         report="<results>/report.html",
@@ -103,6 +104,7 @@ rule crate:
 rule headline:
     input:
         report=rules.report.output.report,
+        scores=rules.scores.output.scores,
         # Last of all: what it prints is the end of the run.
         store=rules.tracking.output.store,
         crate=rules.crate.output.crate,

@@ -89,3 +89,9 @@ class Tally(Counter):
             return next(iter(self), Outcome.NOT_RUN).value
         ranked = sorted(self, key=lambda outcome: (-self[outcome], outcome is not Outcome.OK))
         return ", ".join(f"{outcome} {self[outcome]}" for outcome in ranked)
+
+    @classmethod
+    def read(cls, text: str, total: int) -> Tally:
+        """The tally of so many endings whose text this is."""
+        endings = [ending.partition(" ") for ending in text.split(", ")] if total else []
+        return cls(word for word, _, count in endings for _ in range(int(count or total)))

@@ -15,7 +15,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import open_dataset
 from vibrom.artefacts.files import DataError
-from vibrom.artefacts.identity import FITTED_ONCE, attributes_of, check_place
+from vibrom.artefacts.identity import FITTED_ONCE, ROLES, attributes_of, place
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 
@@ -43,12 +43,14 @@ class Collection:
         """The artefacts at these paths, in their order."""
         loaders = {}
         for path in paths:
-            attributes = artefact_at(path)
+            # Where it lies says whose it is, and opening it checks that.
+            attributes = place(path) or artefact_at(path)
             seed = int(attributes["seed"])
-            name = attributes.get("role", attributes["kind"])
+            name = attributes.get("role", attributes.get("kind"))
+            kind = "trajectory" if name in ROLES else name
             model = None if seed == FITTED_ONCE else seed
             key = Key(attributes["scene"], attributes["method"], model, name)
-            loaders[key] = partial(open_dataset, path, attributes["kind"], lazy=True)
+            loaders[key] = partial(open_dataset, path, kind, lazy=True)
         return cls(loaders)
 
     @property
@@ -92,7 +94,7 @@ class Collection:
 
 
 def artefact_at(path: str) -> dict[str, Any]:
-    """The attributes of the artefact that belongs at this path."""
+    """The attributes of the artefact at a path that does not say whose it is."""
     found = attributes_of(path)
     missing = [name for name in ("scene", "method", "seed", "kind") if name not in found]
     if missing:
@@ -100,7 +102,6 @@ def artefact_at(path: str) -> dict[str, Any]:
             f"{path}: not an artefact of a run, as it has no attribute {', '.join(missing)}; "
             "give files that the workflow made"
         )
-    check_place(path, found)
     return found
 
 

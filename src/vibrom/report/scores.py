@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.config import plugs
+from vibrom.config.places import UNSEEDED
 from vibrom.report.collection import Collection, Key, outcome
 
 # Scores of the experiment run_times.
@@ -102,6 +105,35 @@ class Scores:
             if key.name in names
             for score in read(key, collection.find(key.scene, key.model, key.name, key.seed))
         )
+
+    @classmethod
+    def read(cls, path: str | Path) -> Scores:
+        """Those that `to_csv` wrote."""
+        numbers = {"value": float, "seconds": float, "endings": int}
+        table = pd.read_csv(
+            path,
+            dtype={name: numbers.get(name, str) for name in (*Score._fields, "endings")},
+            keep_default_na=False,  # a scene may be called NA
+            na_values={"value": [""], "seconds": [""]},
+            float_precision="round_trip",
+        )
+        found = (Score(*row[:-1]) for row in table.itertuples(index=False))
+        return cls(
+            score._replace(
+                seed=None if score.seed == UNSEEDED else int(score.seed),
+                outcome=Tally.read(score.outcome, total),
+            )
+            for score, total in zip(found, table["endings"])
+        )
+
+    def to_csv(self) -> str:
+        """A row a number: the fields of `Score`, values to the last digit, and how many endings the
+        outcome counts.
+        """
+        named = [row._replace(seed=UNSEEDED if row.seed is None else row.seed) for row in self.rows]
+        table = pd.DataFrame(named, columns=list(Score._fields))
+        table["endings"] = [row.outcome.total() for row in self.rows]
+        return table.to_csv(index=False)
 
     def of_experiment(
         self, scene: str, method: str, experiment: str, metric: str | None = None

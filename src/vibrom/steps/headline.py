@@ -15,6 +15,7 @@ from vibrom.report.scores import Scores
 def run(
     *,
     artefacts: list[str],
+    scores: str,
     report: str,
     store: str,
     crate: str,
@@ -23,13 +24,13 @@ def run(
 ) -> None:
     """It names the report, MLflow's store, what was made from what, and the folders beside them."""
     collection = Collection.at(artefacts)
-    scores = Scores.of(collection)
-    made = {name: tables.make(name, collection, scores) for name in numbers.TABLES}
+    known = Scores.read(scores)
+    made = {name: tables.make(name, collection, known) for name in numbers.TABLES}
     folder = Path(report).parent
     places = {
         "Report": report,
         "Tables": str(folder / "tables"),
-        "Scores": str(folder / "scores.csv"),
+        "Scores": scores,
         "MLflow": tracking.command(store),
         "Origin": crate,
     }

@@ -8,13 +8,22 @@ from vibrom.report.collection import Collection
 from vibrom.report.scores import Scores
 
 
-def run(*, kind: str, artefacts: list[str], outputs: list[str], provenance: dict) -> None:
-    """`kind`: tables or figures, the package below vibrom.report that makes them."""
+def run(
+    *,
+    kind: str,
+    artefacts: list[str],
+    outputs: list[str],
+    provenance: dict,
+    scores: str | None = None,
+) -> None:
+    """`kind`: tables or figures, the package below vibrom.report that makes them. `scores` are
+    those of the run; without them, those of the artefacts.
+    """
     makers = import_module(f"vibrom.report.{kind}")
     collection = Collection.at(artefacts)
-    scores = Scores.of(collection)
+    known = Scores.of(collection) if scores is None else Scores.read(scores)
     for name in dict.fromkeys(Path(path).stem for path in outputs):
-        made = makers.make(name, collection, scores)
+        made = makers.make(name, collection, known)
         for path in (path for path in outputs if Path(path).stem == name):
             form = Path(path).suffix.removeprefix(".")
             write(path, makers.render(made, form, provenance["source_digest"]))

@@ -12,6 +12,7 @@ from vibrom.report.scores import Scores
 def run(
     *,
     artefacts: list[str],
+    scores: str,
     figures: list[str],
     tables_shown: list[str],
     captions: dict[str, list],
@@ -22,19 +23,19 @@ def run(
     paragraphs.
     """
     collection = Collection.at(artefacts)
-    scores = Scores.of(collection)
-    made = {name: tables.make(name, collection, scores) for name in tables_shown}
+    known = Scores.read(scores)
+    made = {name: tables.make(name, collection, known) for name in tables_shown}
     pictures: dict[str, dict[str, bytes]] = {}
     for path in map(Path, figures):
         if path.suffix in (".svg", ".png"):
             pictures.setdefault(path.stem, {})[path.suffix.removeprefix(".")] = path.read_bytes()
     content = page.compose(
         collection=collection,
-        scores=scores,
+        scores=known,
         tables=list(made.values()),
         figures=pictures,
         captions={name: Caption(title, tuple(text)) for name, (title, text) in captions.items()},
-        failures=failures.build(collection, scores),
+        failures=failures.build(collection, known),
         provenance=provenance,
     )
     write(report, content)

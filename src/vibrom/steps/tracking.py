@@ -28,7 +28,7 @@ def run(
 ) -> None:
     """A run for each fitted model, one for each full-order model, and a summary with the files."""
     collection = Collection.at(artefacts)
-    scored = Scores.of(collection)
+    scored = Scores.read(scores)
     runs = [_model(collection, scored, *key[:3]) for key in collection.loaders if key.name == "rom"]
     for scene in collection.scenes:
         mine = [row for row in scored.rows if row[:2] == (scene, FULL_ORDER)]

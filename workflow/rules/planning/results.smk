@@ -187,6 +187,14 @@ def made_from(part):
     ]
 
 
+def scored(part):
+    """The scores of the run, as the input `scores` of what shows all scenes; those of one scene are
+    read from its own artefacts, as soon as it is through.
+    """
+    whole = part.family == outputs.MODELS and not part.folder
+    return {"scores": rules.scores.output.scores} if whole else {}
+
+
 def caption_file(kind, plug):
     """Snakemake takes captions from files: written where it keeps its own."""
     path, text = (
