@@ -4,11 +4,10 @@ as they were.
 
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from bad_entries import BAD
-from project_copy import change, command, copy, plan
+from project_copy import change, command, plan
 
 from vibrom.__main__ import check
 from vibrom.config.command_line import overlays
@@ -28,31 +27,19 @@ PROMISED = [
 CHATTER = ("Using workflow specific profile",)
 
 
-@pytest.fixture(scope="module")
-def answers(tmp_path_factory):
-    """What the command says to each of the promised cases."""
-
-    def ask(case):
-        folder = copy(tmp_path_factory.mktemp("case"))
-        finished = folder / "results/folding/full_order/train.nc"
-        finished.parent.mkdir(parents=True)
-        finished.write_bytes(b"finished")
-        file, key, value, _ = BAD[case]
-        change(folder / file, key, value)
-        return plan(folder, "--cores", "2"), finished.read_bytes()
-
-    with ThreadPoolExecutor(2) as pool:
-        return dict(zip(PROMISED, pool.map(ask, PROMISED), strict=True))
-
-
 @pytest.mark.parametrize("case", PROMISED)
-def test_command_ends_with_one_line(answers, case):
-    answer, finished = answers[case]
+def test_command_ends_with_one_line(project, case):
+    finished = project / "results/folding/full_order/train.nc"
+    finished.parent.mkdir(parents=True)
+    finished.write_bytes(b"finished")
+    file, key, value, says = BAD[case]
+    change(project / file, key, value)
+    answer = plan(project, "--cores", "2")
     lines = answer_lines(answer)
     assert answer.returncode != 0 and len(lines) == 1 and lines[0].startswith("vibrom: ")
-    for words in (BAD[case][0], *BAD[case][3]):
+    for words in (file, *says):
         assert words in lines[0]
-    assert finished == b"finished"
+    assert finished.read_bytes() == b"finished"
 
 
 def answer_lines(answer) -> list[str]:
