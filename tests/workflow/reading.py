@@ -1,5 +1,7 @@
 """The configuration of a project, and what is said of a wrong one."""
 
+import json
+
 import pytest
 
 from vibrom.config import settings
@@ -22,3 +24,12 @@ def overlay(folder, text: str | bytes):
     path = folder / "mine.yaml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
+
+
+def shown(run) -> str:
+    """What rules see of the settings."""
+    blocks = [
+        {name: item.to_builtins() for name, item in block.items()}
+        for block in (run.scenes, run.methods)
+    ]
+    return json.dumps([blocks, run.studies, run.integrator, run.seeds])

@@ -2,7 +2,6 @@
 cure; each right one means the same however it is written.
 """
 
-import json
 import shutil
 
 import pytest
@@ -10,7 +9,7 @@ import yaml
 from bad_entries import BAD
 from bad_scenes import SCENE
 from project_copy import change
-from reading import complaint, load, overlay
+from reading import complaint, load, overlay, shown
 
 from vibrom.config.errors import closest
 
@@ -81,15 +80,6 @@ def test_overlays_merge_replace_and_remove(project, tmp_path):
     again = load(project, tmp_path / "mine.yaml", later)
     assert "modal_load" in again.scenes["small"].effects
     assert again.methods == whole.methods
-
-
-def shown(run) -> str:
-    """What rules see of the settings."""
-    blocks = [
-        {name: item.to_builtins() for name, item in block.items()}
-        for block in (run.scenes, run.methods)
-    ]
-    return json.dumps([blocks, run.studies, run.integrator, run.seeds])
 
 
 def written_otherwise(value):

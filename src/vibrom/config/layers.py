@@ -24,6 +24,7 @@ class Layers:
     def __init__(self, content: Any, origin: Origin):
         self.content: dict[str, Any] = {}
         self.origin: dict[tuple, Origin] = {(): origin}
+        self.removed: set[tuple] = set()  # what was here once: it may be removed again
         self.lay(content, origin)
 
     def lay(self, content: Any, origin: Origin, *, lenient: bool = False) -> None:
@@ -35,7 +36,7 @@ class Layers:
     def _merge(self, below: dict, above: dict, path: tuple, origin: Origin, lenient: bool) -> None:
         for key, value in above.items():
             here = (*path, key)
-            if value is None and key not in below and not lenient:
+            if value is None and not (lenient or key in below or here in self.removed):
                 cure = "is empty; give a value, or {} for a block without settings"
                 if ":" in key:
                     cure = "is empty; put a blank behind the colon"
@@ -43,12 +44,19 @@ class Layers:
             if isinstance(value, dict) and isinstance(below.get(key), dict):
                 self._merge(below[key], value, here, origin, lenient)
                 continue
-            self.origin = {at: file for at, file in self.origin.items() if at[: len(here)] != here}
+            if value is None and key in below:
+                self.removed.update(_places(below[key], here))
+            before = self.origin
+            self.origin = {at: file for at, file in before.items() if at[: len(here)] != here}
             self.origin[here] = origin
-            below.pop(key, None)
+            was = below.pop(key, None)
             if isinstance(value, dict):
-                below[key] = {}
-                self._merge(below[key], value, here, origin, lenient)
+                block: dict[str, Any] = {}
+                self._merge(block, value, here, origin, lenient)
+                if was is None and value and not block:  # what only removes brings nothing back
+                    self.origin = before
+                else:
+                    below[key] = block
             elif value is not None:
                 below[key] = deepcopy(value)
 
@@ -115,6 +123,12 @@ class Sources:
                     laid.append((given[who], (file, (key, who))))
             for block, origin in laid:
                 layers.lay(block, origin, lenient=who == ALL)
+
+
+def _places(value: Any, path: tuple) -> list[tuple]:
+    """The path of an entry, and of all that is in it."""
+    inside = value.items() if isinstance(value, dict) else ()
+    return [path, *(found for key, item in inside for found in _places(item, (*path, key)))]
 
 
 def _without(content: dict[str, Any]) -> dict[str, Any]:
