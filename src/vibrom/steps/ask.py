@@ -22,7 +22,7 @@ from vibrom.models.rom import rom_from_dataset
 from vibrom.models.training import Unsupported
 
 KINDS = {"train": "trajectory", "test": "trajectory", "fit": "rom"}
-CALLS, ENOUGH = 3, 0.5  # an answer is timed up to three times, or until that took half a second
+CALLS, ENOUGH = 3, 0.2  # an answer is timed up to three times, or until that took 0.2 s
 
 
 def run(
