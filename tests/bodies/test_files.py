@@ -103,12 +103,28 @@ def test_faces_of_abaqus_are_those_of_its_manual(tmp_path, kind):
         (["*SURFACE, NAME=a", "left, S5"], r"surface a names no face of its elements \(S1 to S4"),
         (["*SURFACE, NAME=a", "7, S1"], "names an element 7 that is not there"),
         (["*NODE", "7, nan, 0.", "*ELEMENT, TYPE=CPS4", "3, 3, 7, 6, 2"], "place is no number"),
+        (["*NODE, SYSTEM=C", "7, 1., 90."], "not in rectangular coordinates"),
+        (["*NODE, INPUT=nodes.txt"], "includes another file"),
+        (["*ELGEN", "1, 2, 1, 1"], r"has \*ELGEN; export it with all nodes and elements"),
+        (["*ELEMENT, TYPE=CPS4", "3, 1, 2, 5"], "elements of 4 nodes have 4 numbers in all"),
+        (["*ELEMENT, TYPE=C3D5", "3, 1, 2, 5, 4, 6"], "type C3D5 are not known here"),
+        (["*INSTANCE, NAME=a, PART=p", "*INSTANCE, NAME=b, PART=p"], "it has 2 instances"),
     ],
 )
 def test_what_abaqus_cannot_mean_is_named(tmp_path, more, says):
     (tmp_path / "strip.inp").write_text("\n".join(lines_of(*more)))
     with pytest.raises(SceneError, match=says):
         build(tmp_path / "strip.inp", width=0.1)
+
+
+def test_lines_and_numbers_of_abaqus_may_be_written_otherwise(tmp_path):
+    """A byte order mark, exponents of double numbers, and a keyword that goes on below."""
+    text = "\n".join(lines_of()).replace("2, 1, 0", "2, 1.D+00, 0.")
+    text = text.replace("TYPE=CPS4R, ELSET", "TYPE=CPS4R,\nELSET")
+    (tmp_path / "strip.inp").write_text("\ufeff" + text)
+    content = read(tmp_path / "strip.inp")
+    np.testing.assert_array_equal(content.points, STRIP)
+    assert content.groups["Left"][0].tolist() == [[0, 1, 4, 3]]
 
 
 def test_an_element_of_two_groups_is_there_once(tmp_path):
@@ -155,7 +171,9 @@ $EndElements
 @pytest.mark.parametrize(
     "name, text, says",
     [
-        ("none.msh", None, "cannot be read .No such file"),
+        ("none.msh", None, "cannot be read: No such file"),
+        ("many.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n99999999999999\n", "damaged"),
+        ("none.su2", "NDIME= 2\n", "cut off, damaged or of a version"),
         ("bad.msh", "nonsense", "meshio says .*Couldn't read file"),
         ("old.msh", "$MeshFormat\n1 0 8\n$EndMeshFormat\n", "of a version that is not known"),
         ("some.msh", PARTLY, "some of its elements are in no physical group"),
@@ -169,7 +187,7 @@ $EndElements
         (
             "shell.inp",
             "*NODE\n1,0,0\n*ELEMENT, TYPE=XYZ9\n",
-            "type XYZ9 are none of a plane",
+            "type XYZ9 are not known here; mesh it with triangles",
         ),
         ("empty.inp", "*HEADING\n", "it has no .NODE or no .ELEMENT"),
     ],

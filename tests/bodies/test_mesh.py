@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+import skfem
 from meshes import BLOCKS, NAMES, QUADS, STRIP, build, distorted, strip, write_gmsh
 from scenes import LINEAR, UNDAMPED
 
 from vibrom import effects
 from vibrom.bodies import space
 from vibrom.bodies.files.content import EDGES
+from vibrom.bodies.topology import HEXAHEDRON
 from vibrom.config.digest import digest
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.term import SceneError
@@ -181,6 +183,7 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
     away = [*STRIP, [5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]]
     tilted = [*STRIP[:5], [2, 1, 0.3]]
     thin = [[x, 1e-9 * y, z] for x, y, z in STRIP]
+    hinged = [*QUADS, [6, 8, 9, 10]]
     crossed = [[1, 2, 5, 4], [2, 3, 5, 6]]
     cases = [
         ({"clamped": ["rihgt"]}, r"body.clamped\[0\] = 'rihgt' is no group of .*choose from"),
@@ -194,12 +197,17 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
         ({"probes": {"a": {"at": [2.0, 1.0], "direction": "z"}}}, "along 'z' is not in the body"),
         ({"width": 0.0}, "body.width is missing; a plane body needs one"),
         ({"digest": "0"}, "has changed since this run began; run it again"),
+        ({"blocks": [("quad", 2, hinged)], "points": away}, "is 2 parts that share no side"),
+        ({"blocks": [("quad", 2, [*QUADS, [3, 6, 6, 2]])]}, "twice in 1 of its 3 elements"),
         (
             {"blocks": [("quad", 2, crossed)]},
             "1 elements are turned inside out, the first",
         ),
         ({"points": thin}, "2 elements are flat, the first one near"),
-        ({"blocks": [("quad", 2, [*QUADS, [7, 8, 9, 10]])], "points": away}, "is 2 parts that do"),
+        (
+            {"blocks": [("quad", 2, [*QUADS, [7, 8, 9, 10]])], "points": away},
+            "is 2 parts that share",
+        ),
         ({"points": tilted}, "is a surface in space, 0.3 m deep along z"),
         (
             {"blocks": [("quad", 2, QUADS[:1]), ("triangle", 2, [[2, 3, 5]])]},
@@ -221,6 +229,45 @@ def test_what_is_no_mesh_of_one_body_is_one_line(tmp_path):
 def test_nodes_without_an_element_are_left_out(tmp_path):
     made = strip(tmp_path, points=[*STRIP, [9, 9, 0]])
     assert made.size == 8
+
+
+def folded():
+    """A quadrilateral whose lower side bulges beyond its middle."""
+    points = [*SQUARE, [0.5, 0.9, 0], [1, 0.5, 0], [0.5, 1, 0], [0, 0.5, 0], [0.5, 0.5, 0]]
+    return [("quad9", 2, [range(1, 10)])], points
+
+
+def test_elements_may_be_turned_inside_out_between_their_corners(tmp_path):
+    write_gmsh(tmp_path / "one.msh", *folded())
+    with pytest.raises(SceneError, match="1 elements are turned inside out"):
+        build(tmp_path / "one.msh", width=0.1)
+
+
+def in_space(tmp_path, blocks, **changes):
+    """Eight hexahedra, numbered anyhow, of a group of their own, and further blocks of corners."""
+    mesh = skfem.MeshHex.init_tensor(*[np.linspace(0.0, 1.0, 3)] * 3)
+    shuffled = np.random.default_rng(0).permutation(mesh.nvertices)
+    points = np.empty((mesh.nvertices, 3))
+    points[shuffled] = mesh.p.T
+    order = np.argsort(HEXAHEDRON)
+    cells = ("hexahedron", 1, 1 + shuffled[mesh.t[order]].T)
+    found = [
+        (kind, tag, [[1 + int(np.linalg.norm(points - at, axis=1).argmin()) for at in corners]])
+        for kind, tag, corners in blocks
+    ]
+    write_gmsh(tmp_path / "one.msh", [cells, *found], points, [(3, 1, "part")])
+    return build(tmp_path / "one.msh", **changes)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_edges_of_a_body_in_space_are_held_with_their_middles(tmp_path, order):
+    """Two of its edges that are no parallels hold it, and a single one lets it turn."""
+    edges = [("line", 2, [[0, 0, 0], [0.5, 0, 0]]), ("line", 3, [[0, 0, 1], [0, 0.5, 1]])]
+    made = in_space(tmp_path, edges, clamped=["2", "3"], order=order)
+    assert set(made.basis.mesh.boundaries) == set()
+    assert made.basis.N - made.size == 3 * 2 * (1 + order)
+    with pytest.raises(SceneError, match="is a line about which the body turns freely"):
+        in_space(tmp_path, edges, clamped=["2"], order=order)
 
 
 def test_a_digest_is_of_what_the_file_holds(tmp_path):

@@ -98,9 +98,9 @@ class Mesh:
 
 def check_shapes(mesh: skfem.Mesh, path: str) -> None:
     """Raises SceneError where elements are flat or turned inside out, or the body is in parts."""
-    mapping, corners = mesh.mapping(), mesh.elem.refdom.p
-    inside = corners.mean(axis=1)[:, None]
-    places = np.concatenate([inside, inside + 0.999 * (corners - inside)], axis=1)
+    mapping, nodes = mesh.mapping(), mesh.elem().doflocs.T
+    inside = mesh.elem.refdom.p.mean(axis=1)[:, None]
+    places = np.concatenate([inside, inside + 0.999 * (nodes - inside)], axis=1)
     jacobian = np.linalg.det(np.moveaxis(mapping.DF(places), (0, 1), (-2, -1)))
     edges = mesh.p[:, mesh.t[:, None]] - mesh.p[:, mesh.t[None, :]]
     longest = np.linalg.norm(edges, axis=0).max(axis=(0, 1))
@@ -114,13 +114,13 @@ def check_shapes(mesh: skfem.Mesh, path: str) -> None:
                 f"body.mesh = {path}: {wrong.sum()} elements are {words}, the first one near "
                 f"{near}; mesh the body once more"
             )
-    ends = mesh.t[[0] * (len(mesh.t) - 1)].ravel(), mesh.t[1:].ravel()
-    graph = coo_matrix((np.ones(len(ends[0])), ends), shape=(mesh.nvertices,) * 2)
+    across = mesh.f2t[:, mesh.f2t[1] >= 0]
+    graph = coo_matrix((np.ones(across.shape[1]), across), shape=(mesh.nelements,) * 2)
     parts = connected_components(graph, directed=False)[0]
     if parts > 1:
         raise SceneError(
-            f"body.mesh = {path} is {parts} parts that do not touch; give one, or merge the nodes "
-            "that they share"
+            f"body.mesh = {path} is {parts} parts that share no side of an element; give one, or "
+            "merge the nodes that they share"
         )
 
 

@@ -28,6 +28,13 @@ def body_of(content: Content, path: str) -> tuple[str, np.ndarray, np.ndarray]:
     # Gmsh's format 2.2 has an element once for each of its groups.
     _, once = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
     nodes = nodes[np.sort(once)]
+    corners = np.sort(nodes[:, : SHAPES[kinds[0]][1]], axis=1)
+    twice = (corners[:, 1:] == corners[:, :-1]).any(axis=1).sum()
+    if twice:
+        raise SceneError(
+            f"body.mesh = {path}: a corner stands twice in {twice} of its {len(nodes)} elements; "
+            "mesh the body with elements that have all corners"
+        )
     if not np.isfinite(points[nodes]).all():
         raise SceneError(f"body.mesh = {path} has nodes whose place is no number; export it again")
     if dim == 2:
@@ -134,7 +141,7 @@ def facets_of(
                 facets.append(surface[among])
             elif len(wanted) == 2 and mesh.dim() == 3:
                 continue
-            elif mesh.dim() - 1 == (1 if len(wanted) == 2 else 2):
+            elif len(wanted) <= len(mesh.facets):  # more corners are those of elements
                 place = _find(mesh.facets, wanted, len(vertex))
                 if (place < 0).any():
                     raise SceneError(
@@ -163,7 +170,10 @@ def points_of(
                 dofs.append(basis.nodal_dofs[:, wanted[wanted >= 0]].ravel())
             elif len(wanted) == 2 and mesh.dim() == 3:
                 place = _find(mesh.edges, wanted, len(vertex))
-                dofs.append(basis.get_dofs(edges=place[place >= 0]).all())
+                place = place[place >= 0]
+                dofs.append(basis.nodal_dofs[:, mesh.edges[:, place]].ravel())
+                if len(basis.edge_dofs):
+                    dofs.append(basis.edge_dofs[:, place].ravel())
         if name in boundaries:
             dofs.append(basis.get_dofs(boundaries[name]).all())
         whole = np.unique(np.concatenate(dofs)) if dofs else np.zeros(0, np.int64)

@@ -17,9 +17,15 @@ READERS = {".inp": abaqus.read}
 def read(path: Path) -> Content:
     """Nodes, elements and named groups; raises SceneError of one line."""
     try:
-        return READERS.get(path.suffix, foreign.read)(path)
+        if path.exists() and not path.is_file():
+            raise Unreadable("it is no file")
+        return READERS.get(path.suffix.lower(), foreign.read)(path)
+    except Unreadable as error:
+        why = str(error)
     except OSError as error:
-        raise SceneError(f"body.mesh = {path} cannot be read ({error.strerror})") from error
-    except (Unreadable, ValueError, IndexError, KeyError) as error:
-        why = str(error) if isinstance(error, Unreadable) else DAMAGED
-        raise SceneError(f"body.mesh = {path} cannot be read: {why}") from error
+        why = error.strerror or str(error)
+    except ImportError as error:
+        why = f"that takes the package {error.name}, which is not installed; export .msh or .inp"
+    except Exception:  # whatever a reader meets in a file that is not what it seems
+        why = DAMAGED
+    raise SceneError(f"body.mesh = {path} cannot be read: {why}")

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vibrom.bodies.files.content import SHAPES, Content, Unreadable
+from vibrom.bodies.files.content import SHAPES, Content, Unreadable, foreign_to
 
 # What an element's type begins with, and its number of nodes -> its kind.
 FAMILIES = {
@@ -44,6 +44,9 @@ SIDES = {
         (3, 7, 4, 0),
     ),
 }
+READ = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE")
+# Blocks that make nodes or elements, or say in which coordinates nodes are given.
+NOT_FOLLOWED = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM")
 TYPE = re.compile(r"(C3D|CPS|CPE|STRI|SFM3D|M3D|R3D|DS|T3D|T2D|B2|B3|R2D|S)(\d+)")
 
 
@@ -81,10 +84,16 @@ class Model:
 
 def read(path: Path) -> Content:
     """See `files.read`."""
-    parts, model = 0, Model()
+    count, model = {"PART": 0, "INSTANCE": 0}, Model()
     for keyword, options, lines in _blocks(path):
-        if keyword == "PART":
-            parts += 1
+        if keyword in count:
+            count[keyword] += 1
+        elif keyword == "INCLUDE" or keyword in READ and "INPUT" in options:
+            raise Unreadable("it includes another file; write it as one")
+        elif keyword in NOT_FOLLOWED:
+            raise Unreadable(
+                f"it has *{keyword}; export it with all nodes and elements written out"
+            )
         elif keyword == "NODE":
             _add_nodes(model, options, lines)
         elif keyword == "ELEMENT":
@@ -93,10 +102,10 @@ def read(path: Path) -> Content:
             _add_members(model, keyword, options, lines)
         elif keyword == "SURFACE" and "NAME" in options:
             _add_surface(model, options, lines)
-        elif keyword == "INCLUDE":
-            raise Unreadable("it includes another file; write it as one")
-    if parts > 1:
-        raise Unreadable(f"it has {parts} parts; export the one that is the body")
+    for keyword, found in count.items():
+        if found > 1:
+            what = f"{found} {keyword.lower()}s"
+            raise Unreadable(f"it has {what}; export the one that is the body")
     if not model.place or not model.elements:
         raise Unreadable("it has no *NODE or no *ELEMENT; export the mesh itself")
     return _content(model)
@@ -104,10 +113,13 @@ def read(path: Path) -> Content:
 
 def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[str]]]:
     """Keyword, its options, and the lines below."""
-    keyword, options, lines = "", {}, []
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        line = line.strip()
-        if line.startswith("**") or not line:
+    keyword, options, lines, begun = "", {}, [], ""
+    for line in path.read_text(encoding="utf-8-sig", errors="replace").splitlines():
+        if line.startswith("**") or not line.strip():
+            continue
+        line, begun = begun + line.strip(), ""
+        if line.startswith("*") and line.endswith(","):
+            begun = line  # goes on in the next one
             continue
         if not line.startswith("*"):
             lines.append(line)
@@ -131,7 +143,7 @@ def _kind(word: str) -> str:
         family, nodes = "B", str(int(nodes) + 1)
     kind = FAMILIES.get((family, int(nodes)))
     if kind is None:
-        raise Unreadable(f"its elements of type {word} are none of a plane or solid body")
+        raise Unreadable(foreign_to(word))
     return kind
 
 
@@ -143,6 +155,11 @@ def _nodes(kind: str) -> int:
 def _rows(lines: list[str], length: int) -> list[list[int]]:
     """Rows of so many numbers, which may go on in the next line."""
     numbers = [int(word) for line in lines for word in _words(line)]
+    if len(numbers) % length:
+        raise Unreadable(
+            f"its elements of {length - 1} nodes have {len(numbers)} numbers in all, no multiple "
+            f"of {length}; export it again"
+        )
     return [numbers[first : first + length] for first in range(0, len(numbers), length)]
 
 
@@ -152,7 +169,9 @@ def _once(known: dict, number: int, value: list, what: str) -> None:
 
 
 def _add_nodes(model: Model, options: dict[str, str], lines: list[str]) -> None:
-    rows = [[float(word) for word in _words(line)] for line in lines]
+    if options.get("SYSTEM", "R").upper() != "R":
+        raise Unreadable("its nodes are not in rectangular coordinates; export them in those")
+    rows = [[float(word.upper().replace("D", "E")) for word in _words(line)] for line in lines]
     for row in rows:
         _once(model.place, int(row[0]), (row[1:4] + [0.0, 0.0])[:3], "nodes")
     if "NSET" in options:

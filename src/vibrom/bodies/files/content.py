@@ -49,6 +49,14 @@ class Unreadable(ValueError):
     """What is wrong with a file, in the words after `cannot be read:`."""
 
 
+def foreign_to(kind: str) -> str:
+    """Why elements of this type are refused."""
+    return (
+        f"its elements of type {kind} are not known here; mesh it with triangles, quadrilaterals, "
+        "tetrahedra or hexahedra, of first or second order, or wedges"
+    )
+
+
 @dataclass
 class Content:
     """Nodes, elements and named groups."""

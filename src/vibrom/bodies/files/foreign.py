@@ -8,7 +8,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from vibrom.bodies.files.content import SHAPES, Content, Unreadable
+from vibrom.bodies.files.content import SHAPES, Content, Unreadable, foreign_to
 
 PHYSICAL = "gmsh:physical"  # meshio's name of an element's physical group, 0 without one
 
@@ -22,7 +22,7 @@ def read(path: Path) -> Content:
     content = Content(points)
     for place, block in enumerate(found.cells):
         if block.type not in SHAPES:
-            raise Unreadable(f"its elements of type {block.type} are not known")
+            raise Unreadable(foreign_to(block.type))
         nodes = np.asarray(block.data, dtype=np.int64)
         if (nodes < 0).any():
             raise Unreadable("its elements name nodes that are not there; export it again")
