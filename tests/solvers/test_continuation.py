@@ -1,6 +1,7 @@
 """Continuation on problems whose solutions are known in closed form."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -193,6 +194,32 @@ def test_a_branch_says_how_it_ended():
 
     lost = branch(broken, start, Span(2.0, 2.9, 100, 1e-3), pace, 1)
     assert lost[-1].outcome == Outcome.LOST and 2.4 < lost[-1].p < 2.5
+
+
+def steep(x, p, derivative):
+    """x = exp(8 p), which cannot be evaluated near p = 0.75."""
+    grown = np.exp(8.0 * p)
+    by_p = np.array([-8.0 * grown])
+    stable = SimpleNamespace(multipliers=np.array([0.5 + 0.0j]))
+    return Value(x - grown, np.eye(1), by_p, ok=abs(p - 0.75) > 1e-3, details=stable)
+
+
+def test_an_edge_is_met_between_points_that_are_far_apart():
+    """A straight line between them is no guess: at 0.9 it is twice as large as the solution."""
+    pace = Pace(scale=1.0, newton=True)
+    left, right = (continuation.at(steep, np.exp([8.0 * p]), p, pace) for p in (0.0, 1.0))
+    right = replace(right, arc=float(np.linalg.norm((right.u - left.u) / left.scale(pace))))
+    found = continuation.onto(steep, left, right, 0.9, pace)
+    assert left.arc < found.arc < right.arc
+    # The last correction is below 1e-6, what it leaves its square.
+    np.testing.assert_allclose([found.p, found.x[0]], [0.9, np.exp(7.2)], rtol=1e-10)
+
+
+def test_an_edge_that_cannot_be_met_ends_the_branch():
+    pace = Pace(scale=1.0, first=0.7, newton=True)
+    start = continuation.at(steep, np.array([1.0]), 0.0, pace)
+    last = branch(steep, start, Span(-1.0, 0.75, 50, 0.0), pace, 1)[-1]
+    assert last.kind is Kind.END and last.outcome is Outcome.LOST and last.point.p < 0.75
 
 
 def test_folds_that_are_close_are_minor():

@@ -21,7 +21,8 @@ the model in JAX.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -83,6 +84,7 @@ class Point:
 
 
 MOST = 8  # points between two on the way to a root
+FEW = 32  # quarter steps from one to the other, which may be shorter still
 
 
 class Lost(ArithmeticError):
@@ -206,7 +208,26 @@ def _curved(before: Point, point: Point, scale: np.ndarray, length: float) -> np
 
 
 def onto(problem: Problem, left: Point, right: Point, p: float, pace: Pace) -> Point:
-    """The solution at p, between two neighbours."""
+    """The solution at p, between two neighbours; where they are too far apart, after shorter steps
+    from the left one. Raises Lost.
+    """
+    length = 0.25 * (right.arc - left.arc)
+    try:
+        return _onto(problem, left, right, p, pace)
+    except Lost:
+        if length < pace.smallest:
+            raise
+    shorter = replace(pace, first=length, largest=length, heard=int)
+    below, before = left.p < p, left
+    for ahead in islice(walk(problem, left, shorter), FEW):
+        if (ahead.p < p) != below:
+            return onto(problem, before, ahead, p, pace)
+        before = ahead
+    raise Lost("the branch does not come to p")
+
+
+def _onto(problem: Problem, left: Point, right: Point, p: float, pace: Pace) -> Point:
+    """As `onto`, from a straight line between the neighbours."""
     share = (p - left.p) / (right.p - left.p)
     scale = left.scale(pace)
     normal = np.append(np.zeros(len(left.x)), 1.0)

@@ -100,9 +100,7 @@ def branch(
         orbits += _special(problem, before, ahead, pace, parts)
         if not span.lowest < ahead.p < span.highest:
             edge = span.highest if ahead.p >= span.highest else span.lowest
-            last = continuation.onto(problem, before, ahead, edge, pace)
-            orbits, ending = [o for o in orbits if o.point.arc < last.arc], Outcome.OK
-            orbits.append(Orbit(last))
+            orbits, ending = _to_the(edge, problem, before, ahead, orbits, pace)
             break
         orbits.append(Orbit(ahead))
         if _meets(ahead.x, ahead.p, known):
@@ -110,6 +108,24 @@ def branch(
             break
     orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
     return minor_folds(orbits, span.minor)
+
+
+def _to_the(
+    edge: float,
+    problem: Problem,
+    before: Point,
+    ahead: Point,
+    orbits: list[Orbit],
+    pace: Pace,
+) -> tuple[list[Orbit], Outcome]:
+    """The orbits as far as the edge of the span, which lies between the last two, and how the
+    branch ends.
+    """
+    try:
+        last = continuation.onto(problem, before, ahead, edge, pace)
+    except Lost:
+        return orbits, Outcome.LOST
+    return [*(one for one in orbits if one.point.arc < last.arc), Orbit(last)], Outcome.OK
 
 
 def through(
