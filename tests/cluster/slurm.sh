@@ -11,6 +11,9 @@ action=${1:?start or stop}
 folder=${2:?a folder for keys, logs and state}
 node=$(hostname -s)
 conf=/etc/slurm/slurm.conf
+# nproc would take OMP_NUM_THREADS for them; a job that asks for two must find them on any machine.
+cpus=$(getconf _NPROCESSORS_ONLN)
+[ "$cpus" -gt 1 ] || cpus=2
 
 ours() {
     grep -q "^ClusterName=vibrom" "$conf" 2> /dev/null
@@ -68,10 +71,11 @@ MinJobAge=3600
 MessageTimeout=100
 TCPTimeout=60
 SlurmdTimeout=0
+SlurmdParameters=config_overrides
 BatchStartTimeout=600
 UnkillableStepTimeout=600
 GresTypes=gpu
-NodeName=$node NodeAddr=127.0.0.1 CPUs=$(nproc) RealMemory=$(free -m | awk '/^Mem/ { print int($2 * 0.95) }') Gres=gpu:1 State=UNKNOWN
+NodeName=$node NodeAddr=127.0.0.1 CPUs=$cpus RealMemory=$(free -m | awk '/^Mem/ { print int($2 * 0.95) }') Gres=gpu:1 State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
     echo "NodeName=$node Name=gpu File=/dev/zero" > /etc/slurm/gres.conf
