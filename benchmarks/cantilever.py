@@ -36,13 +36,14 @@ NEWMARK = Newmark(alpha=SCENE["time"]["alpha"], tolerance=SCENE["time"]["residua
 def build(
     without: tuple[str, ...] = (),
     element: str = "bilinear",
-    cells: tuple[int, int] = (40, 2),
+    cells: tuple[int, ...] = (40, 2),  # three of a body in space, which is as wide as high
     length: float = 1.0,
 ) -> Cantilever:
     """The scene, less some effects, on another mesh."""
-    body = space.build(
-        {**SCENE["body"], "element": element, "cells": list(cells), "length": length, "probes": {}}
-    )
+    size = {"element": element, "cells": list(cells), "length": length, "probes": {}}
+    if len(cells) == 3:
+        size |= {"shape": "block", "width": SCENE["body"]["height"]}
+    body = space.build({**SCENE["body"], **size})
     term = effects.assemble(
         body, {name: block for name, block in SCENE["effects"].items() if name not in without}
     )

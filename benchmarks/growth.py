@@ -1,11 +1,12 @@
 """Growth from 240 to 60 000 degrees of freedom.
 
 Longer bodies have the same band, finer ones a wider band; both elements. Each body starts straight
-with a wavy velocity, as long as the first metre (or as the plate), which takes the same Newton
-iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate). A
+with a wavy velocity, as long as the first metre (or as the plate or cube), which takes the same
+Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the
+plate or cube). A
 body whose band is wider than `newmark.WIDEST` is factorised as a sparse matrix, by SciPy's
-SuperLU or, where it is installed, by PARDISO; square plates on both sides of that bound are timed
-both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
+SuperLU or, where it is installed, by PARDISO, and in space by LAPACK as a band of its own; square
+plates and cubes on both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
 body, is listed. The exponent is that of a power law fitted to the bodies above 1000 degrees of
 freedom.
 """
@@ -39,15 +40,17 @@ FAMILIES = {
         [((k, k), "square", 10**6) for k in (20, 40, 80, 120, 170)],
     ),
     "a square plate, sparse": ("bilinear", [((k, k), "square", 0) for k in (20, 40, 80, 120, 170)]),
+    "a cube, in the band": ("trilinear", [((k,) * 3, "square", 10**6) for k in (4, 7, 10, 13, 16)]),
+    "a cube, sparse": ("trilinear", [((k,) * 3, "square", 0) for k in (4, 7, 10, 13, 16)]),
 }
 
 
-def one(element: str, cells: tuple[int, int], length: float | str, widest: int | None) -> dict:
-    plate = length == "square"
-    size, wave = (0.02, 0.02) if plate else (length, 1.0)
+def one(element: str, cells: tuple[int, ...], length: float | str, widest: int | None) -> dict:
+    square = length == "square"
+    size, wave = (0.02, 0.02) if square else (length, 1.0)
     model = build(("modal_load",), element=element, cells=tuple(cells), length=size)
     x, along_y = model.space.dof_location[:, 0], model.space.dof_axis == 1
-    frequency = (model if plate else build(("modal_load",))).frequency
+    frequency = (model if square else build(("modal_load",))).frequency
     thrown = (0.02 * wave * frequency * (1 - np.cos(2 * np.pi * x / wave)) * along_y)[:, None]
     newmark, step = (
         replace(NEWMARK, widest_band=widest),
@@ -126,7 +129,7 @@ def figures(rows: pd.DataFrame) -> dict:
     for axis, panel, label in zip(axes, (TIME, MEMORY), ("time per step [ms]", "memory [MB]")):
         some = rows[(rows["panel"] == panel) & (rows["value"] > 0)]
         for number, (family, group) in enumerate(some.groupby("series", sort=False)):
-            style = {"marker": "os^Dv<"[number], "markersize": 3.5, "label": family}
+            style = {"marker": "os^Dv<Ph"[number], "markersize": 3.5, "label": family}
             axis.loglog(group["at"].astype(int), group["value"], **style)
         axis.set(xlabel="degrees of freedom", ylabel=label)
     axes[0].legend()

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import skfem
-from meshes import spaced
+from meshes import spaced, straight
+from scipy.linalg import eigh
 
 from vibrom import effects
 from vibrom.bodies import space
@@ -32,6 +33,29 @@ def test_a_tapered_membrane_has_the_frequencies_of_nafems(kind, within):
     made = spaced(KINDS[kind].mesh.from_mesh(mesh), kind)
     found = eigenmodes(effects.assemble(made, STEEL), 6).frequency / (2 * np.pi)
     np.testing.assert_allclose(found, FV32, rtol=within)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_free_square_block_has_the_mode_of_lame(kind):
+    """u = (cos px sin py, -sin px cos py, 0), p = pi/a, leaves all faces free of stress, whatever
+    the thickness, and w = sqrt(2) p sqrt(mu/rho). Three elements a side, two of second order, are
+    too stiff, by less than the error of sampling a wave: (ph)^2/12, or (ph)^4/120.
+    """
+    first = kind in ("triangle", "quad", "tetra", "hexahedron", "wedge")
+    cells = 3 if first else 2
+    mesh = straight(kind, (1.0, 1.0, 0.4), (cells, cells, 1))
+    if KINDS[kind].mesh is not type(mesh):
+        mesh = KINDS[kind].mesh.from_mesh(mesh)
+    made = spaced(mesh, kind, clamped=())
+    term, (x, y) = effects.assemble(made, STEEL), np.pi * made.dof_location[:, :2].T
+    along = [made.dof_axis == 0, made.dof_axis == 1]
+    exact = np.select(along, [np.cos(x) * np.sin(y), -np.sin(x) * np.cos(y)], 0.0)
+    mass = term.mass.toarray()
+    squares, shapes = eigh(term.stiffness.toarray(), mass)
+    found = np.sqrt(squares[np.abs(shapes.T @ mass @ exact).argmax()])
+    closed = np.sqrt(2.0) * np.pi * np.sqrt(200.0e9 / 2.6 / 8000.0)
+    wave = (np.pi / cells) ** 2
+    assert 0.0 < found / closed - 1.0 < (wave / 12 if first else wave**2 / 120)
 
 
 def test_a_beam_with_a_hole_has_the_frequencies_of_a_fine_mesh(tmp_path):
