@@ -2,13 +2,12 @@
 
 Longer bodies have the same band, finer ones a wider band; both elements. Each body starts straight
 with a wavy velocity, as long as the first metre (or as the plate or cube), which takes the same
-Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the
-plate or cube). A
-body whose band is wider than `newmark.WIDEST` is factorised as a sparse matrix, by SciPy's
-SuperLU or, where it is installed, by PARDISO, and in space by LAPACK as a band of its own; square
-plates and cubes on both sides of that bound are timed both ways. Each body runs in a process of its own, whose peak of memory, less that of the smallest
-body, is listed. The exponent is that of a power law fitted to the bodies above 1000 degrees of
-freedom.
+Newton iterations at any size: one state, 1000 steps to the period of the 1 m beam (or of the plate
+or cube). A body whose band is wider than `newmark.WIDEST` is factorised as a sparse matrix, by
+PARDISO where it is installed, else by LAPACK as a band of its own or, where that is too wide, by
+SuperLU (`factors`); square plates and cubes on both sides of that bound are timed both ways. Each
+body runs in a process of its own, whose peak of memory, less that of the smallest body, is listed.
+The exponent is that of a power law fitted to the bodies above 1000 degrees of freedom.
 """
 
 import json

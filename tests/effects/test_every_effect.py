@@ -110,6 +110,27 @@ def test_its_matrices_are_symmetric_and_its_forces_vanish_at_rest(name, made):
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_listed_twice_it_adds_twice(name, made):
+    """What it adds to the effects before it; a load may act more than once, and so may all."""
+    (q, v), once = states(made.size), listed(name, made)
+    others = {effect: chosen for effect, chosen in once.items() if effect != name}
+    without, single, double = (
+        parts(effects.assemble(made, each), q, v)
+        for each in (others, once, {**once, name: [once[name], once[name]]})
+    )
+    for none, one, two in zip(without, single, double):
+        assert np.abs(two - none - 2 * (one - none)).max() <= 1e-12 * np.abs(one).max()
+
+
+def parts(term: Term, q: np.ndarray, v: np.ndarray) -> list[np.ndarray]:
+    """Its matrices, its loads and its forces at these states."""
+    matrices = [term.mass, term.damping, term.stiffness]
+    made = [np.zeros((len(q),) * 2) if part is None else part.toarray() for part in matrices]
+    made += [np.zeros(len(q)) if part is None else part for part in (term.load, term.dead_load)]
+    return [*made, force(term, q, v)]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_its_tangent_is_the_derivative_of_its_force(name, made):
     """By displacements and by velocities, dof by dof. Central differences with Richardson's
     extrapolation are exact up to the fourth degree.

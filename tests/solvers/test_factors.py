@@ -13,6 +13,7 @@ from vibrom.bodies import space
 from vibrom.solvers.full import factors, static
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark, Record
+from vibrom.solvers.full.tangent import Pardiso
 from vibrom.term import Term
 
 TIP = {"tip": {"at": [1.0, 0.2, 0.2], "direction": "y"}}
@@ -41,6 +42,14 @@ def test_solutions_are_those_of_dense_algebra(shift, kind, columns):
     assert isinstance(made, factors.Cholesky) == (kind is not None)
     found = made.solve(b)
     assert np.abs(a @ found - b).max() <= 1e-10 * np.abs(found).max() * abs(a).max()
+
+
+def test_pardiso_factorises_each_matrix_of_a_pattern():
+    pytest.importorskip("pypardiso")
+    made, b = Pardiso(), np.random.default_rng(1).random((300, 2))
+    for times in (1.0, 3.0):
+        a = times * matrix(300, 60.0)
+        assert np.abs(a @ made(a).solve(b) - b).max() <= 1e-13
 
 
 def test_a_band_without_room_is_no_band(monkeypatch):
