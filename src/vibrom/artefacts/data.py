@@ -109,8 +109,15 @@ def save_dataset(
         for name, array in dataset.variables.items()
         if name in dataset.coords or array.dtype.kind in "iu"
     }
+    large = on_disk.large(dataset)
     with replacing(path, dataset.nbytes) as partial:
-        dataset.to_netcdf(partial, engine="netcdf4", encoding=encoding)
+        rest = dataset.drop_vars(large)
+        rest.to_netcdf(
+            partial,
+            engine="netcdf4",
+            encoding={name: how for name, how in encoding.items() if name in rest.variables},
+        )
+        on_disk.add(partial, {name: dataset.variables[name] for name in large})
 
 
 def open_dataset(path: str | Path, kind: str, *, lazy: bool = False) -> xr.Dataset:

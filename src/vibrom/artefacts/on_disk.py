@@ -8,6 +8,7 @@ was closed (`H5D_get_create_plist`, `H5T__vlen_disk_isnull`). So no file of ours
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,32 @@ class OnDisk(BackendArray):
             stored = file[self.name]
             stored.set_auto_maskandscale(False)
             return np.asarray(stored[key])
+
+
+def large(dataset: xr.Dataset) -> list[str]:
+    """Variables that are written a block of rows at a time: they may not be in memory."""
+    return [
+        str(name)
+        for name, array in dataset.data_vars.items()
+        if array.nbytes > LARGE and array.dtype.kind == "f" and not array.variable._in_memory
+    ]
+
+
+def add(path: str | Path, variables: Mapping[str, xr.Variable]) -> None:
+    """Writes them into the file at `path`."""
+    if not variables:
+        return
+    with netCDF4.Dataset(path, "a") as file:
+        file.set_fill_off()  # every row is written
+        for name, array in variables.items():
+            for dimension, size in array.sizes.items():
+                if dimension not in file.dimensions:
+                    file.createDimension(dimension, size)
+            made = file.createVariable(name, array.dtype, array.dims, fill_value=np.nan)
+            made.setncatts(array.attrs)
+            rows = max(1, LARGE * len(array) // array.nbytes)
+            for first in range(0, len(array), rows):
+                made[first : first + rows] = array[first : first + rows].values
 
 
 def left(dataset: xr.Dataset, path: str | Path) -> xr.Dataset:

@@ -13,7 +13,7 @@ from vibrom.artefacts.data import outcome_variables, variable
 from vibrom.config.kinds import Count, Positive, Tolerance
 from vibrom.experiments import Experiment, Given, at_rest
 from vibrom.models.balance import balance_variable, checked
-from vibrom.models.measures import nmte_percent, range_variable
+from vibrom.models.measures import distance, nmte_percent, range_variable
 from vibrom.models.model import Drive, Model, Watch
 from vibrom.models.steady import change, change_variable, judged, strobe
 
@@ -45,7 +45,8 @@ class Forced(Experiment):
         last = period * np.arange(total - given.samples, total + 1) / given.samples
         seen = strobe(drive.period, self.periods, given.samples, model.probes)
         run = model.motion(at_rest(model), drive, Watch(instants, model.probes), Watch(last), seen)
-        largest = np.abs(run.displacement[1][:, :, model.probes]).max(axis=1)
+        last_displacement = run.displacement[1][0]
+        largest = np.abs(np.asarray(last_displacement[:, model.probes])).max(axis=0)[None]
         changes = change(run.displacement[2], largest, self.periods)
         ended = checked(run.outcome, run.balance, self.balance)
         ended = judged(ended, changes, self.steady)
@@ -55,7 +56,7 @@ class Forced(Experiment):
             ),
             "last_displacement": variable(
                 ("last_time", "dof"),
-                run.displacement[1][0],
+                last_displacement,
                 "m",
                 "displacement of each free dof in the last period",
             ),
@@ -87,9 +88,9 @@ class Forced(Experiment):
 
     def score(self, answer: xr.Dataset, truth: xr.Dataset) -> dict[str, float]:
         """NMTE of the last period, and the error of its largest value at the first probe."""
-        model, true = (item["last_displacement"].values for item in (answer, truth))
+        model, true = (item["last_displacement"].variable for item in (answer, truth))
         first = int(answer["probe_dof"].values[0])
-        amplitude = model[:, first].max() / true[:, first].max()
+        amplitude = model[:, first].values.max() / true[:, first].values.max()
         return {
             "nmte_percent": nmte_percent(true, model),
             "amplitude_error_percent": float(100 * (amplitude - 1)),
@@ -97,19 +98,24 @@ class Forced(Experiment):
 
     def stored(self, answer: xr.Dataset, truth: xr.Dataset) -> xr.Dataset:
         """With the shapes when the first probe is highest instead of all displacements."""
-        model, true = (item["last_displacement"].values for item in (answer, truth))
+        model, true = (item["last_displacement"].variable for item in (answer, truth))
         first = int(answer["probe_dof"].values[0])
-        watched = model[:, first]
+        watched, known = (item[:, first].values for item in (model, true))
         at = int(watched.argmax()) if np.isfinite(watched).all() else 0
-        error = np.linalg.norm(true - model, axis=1)
         return answer.drop_vars("last_displacement").assign(
             final_shape=variable(
-                "dof", model[at], "m", "displacement when the first probe is highest at the end"
+                "dof",
+                model[at].values,
+                "m",
+                "displacement when the first probe is highest at the end",
             ),
             final_shape_true=variable(
-                "dof", true[int(true[:, first].argmax())], "m", "the same of the full order"
+                "dof", true[int(known.argmax())].values, "m", "the same of the full order"
             ),
             error=variable(
-                "last_time", error, "m", "norm of the displacement error in the last period"
+                "last_time",
+                distance(true, model),
+                "m",
+                "norm of the displacement error in the last period",
             ),
         )

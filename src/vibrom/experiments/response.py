@@ -59,7 +59,7 @@ class Response(Experiment):
             ),
             "probe_displacement": variable(
                 ("probe", "time"),
-                displacement[:, model.probes].T,
+                np.asarray(displacement[:, model.probes]).T,
                 "m",
                 "displacement at the probes",
             ),

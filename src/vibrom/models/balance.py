@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -35,6 +35,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.models.energy import energy, forces
 from vibrom.models.model import Drive, Push, Signals
 from vibrom.models.recorded import differences
+from vibrom.models.samples import BLOCK
 from vibrom.term import Force, Term
 
 PARTS = 20  # of a period, between samples: v'C v has twice the frequency of the motion
@@ -64,18 +65,21 @@ def of_motion(
     rest: np.ndarray,
     period: float,
     drive: Push,
-    displacement: np.ndarray,
+    displacement: Any,
     samples: int = SAMPLES,
 ) -> float:
     """b of a motion that is only known by its displacement (m, n) [m] from rest, `samples` times a
-    `period` [s] from the start on; velocities and accelerations are its differences, which have
-    none at the first and last three samples.
+    `period` [s] from the start on, and may be a variable that is sliced; velocities and
+    accelerations are its differences, which have none at the first and last three samples.
     """
     step = np.array([period / samples])
     ledger = Ledger(term, rest, step, samples, drive, first=3)
-    parts = [displacement[3:-3] + rest, *differences(displacement, step[0])]
-    steps = np.arange(3, len(displacement) - 3, ledger.apart)
-    ledger.see(steps, slice(0, 1), *(part[:: ledger.apart, :, None] for part in parts))
+    count = -(-BLOCK // (8 * len(rest) * ledger.apart)) * ledger.apart
+    for first in range(0, len(displacement) - 6, count):
+        block = np.asarray(displacement[first : first + count + 6], float)
+        parts = [block[3:-3] + rest, *differences(block, step[0])]
+        steps = np.arange(first + 3, first + len(block) - 3, ledger.apart)
+        ledger.see(steps, slice(0, 1), *(part[:: ledger.apart, :, None] for part in parts))
     return float(ledger.balance()[0])
 
 

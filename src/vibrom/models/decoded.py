@@ -1,6 +1,8 @@
 """Displacements of a reduced motion: at once where few, else decoded where they are sliced.
 
-q = decode(z)
+    q = decode(z),    driven: q = decode(z) + sum_kw beside_w(z, p_k) u_kw
+
+u_k1 is the signal of the load p_k, and u_k2 that of a quarter of a period earlier.
 """
 
 from __future__ import annotations
@@ -27,6 +29,42 @@ class Decoder(Protocol):
     def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         """Displacements (m, n), or (m, k) at `dofs` [m], of coordinates (m, r)."""
         ...
+
+
+class Rom(Protocol):
+    """The part of a reduced model that is needed."""
+
+    def beside(
+        self, z: np.ndarray, p: np.ndarray, dofs: np.ndarray | None = None
+    ) -> np.ndarray | None:
+        """See `models.rom.Rom.beside`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Driven:
+    """Displacements of z (m, r) beside which stand u_11, u_12, u_21 .. (m, k w)."""
+
+    model: Decoder
+    rom: Rom
+    loads: np.ndarray  # (k, n) N per unit of the signal
+    signals: int  # k w
+
+    @property
+    def size(self) -> int:
+        """n, free displacements."""
+        return self.model.size
+
+    def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
+        """See `Decoder.decoded`."""
+        r = coordinates.shape[1] - self.signals
+        z, signals = coordinates[:, :r], coordinates[:, r:].T
+        found = self.model.decoded(z, dofs)
+        for load, waves in zip(self.loads, signals.reshape(len(self.loads), -1, len(z))):
+            added = self.rom.beside(z, load, dofs)
+            if added is not None:
+                found = found + np.einsum("wm,wmk->mk", waves, added[: len(waves)])
+        return found
 
 
 @dataclass(eq=False)

@@ -18,6 +18,7 @@ from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.balance import Ledger
 from vibrom.models.model import Drive, Motion, Push, Watch
+from vibrom.models.parked import room
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.training import Unsupported
 from vibrom.solvers.full.batch import Further
@@ -138,9 +139,11 @@ class FullOrder:
         places = [steps_of(watch.instants, step) for watch in watches]
         last = max(int(place[-1]) for place in places)
         record = _record(watches, places, last)
-        run, balance = self.balanced(start, step, last, record, drive)
+        parked = room(runs, record, last, self.rest)
+        run, balance = self.balanced(start, step, last, replace(record, sink=parked), drive)
+        whole = run.displacement if parked is None else parked.variable
         displacement = tuple(
-            run.displacement[:, np.searchsorted(run.kept, place)]
+            whole[:, np.searchsorted(run.kept, place)]
             if watch.dofs is None
             else run.probes[:, np.searchsorted(record.probes, watch.dofs)][
                 :, :, place - record.probe_start

@@ -56,7 +56,8 @@ class Watch:
 class Motion:
     """b runs side by side; values after a failure are NaN."""
 
-    # of each watch: (b, m, k) m; of one run, large ones may be decoded where they are sliced
+    # of each watch: (b, m, k) m; large ones of all displacements may be a variable that is decoded,
+    # or read from a scratch file, where it is sliced
     displacement: tuple[Any, ...]
     reduced: tuple[np.ndarray, ...] | None  # of each watch: (b, m, r), of a reduced model
     outcome: np.ndarray  # (b,) how each run ended

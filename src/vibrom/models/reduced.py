@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from vibrom.models.calibration import Calibration, Signalled, calibration
-from vibrom.models.decoded import decoded
+from vibrom.models.decoded import Driven, decoded
 from vibrom.models.model import Drive, Motion, Push, Signals, Watch
 from vibrom.models.recorded import damped_frequency
 from vibrom.models.rollout import Drive as LoadedDrive
@@ -124,11 +124,8 @@ class Reduced:
         for watch in watches:
             at = np.searchsorted(grid, watch.instants - 0.5 * CLOSE * grid[-1])
             found.append(run.reduced[:, at])
-            shape = self.decoded(found[-1], watch.dofs)
-            for k, load in enumerate(signals.load):
-                added = self.rom.beside(found[-1], load, watch.dofs)
-                shape += 0.0 if added is None else added[0] * values[:, k, at, None]
-            displacement.append(shape)
+            waves = values[:, :, at].transpose(0, 2, 1)
+            displacement.append(self._driven(found[-1], waves, signals.load, watch.dofs))
         outcome, seconds = np.array(run.outcome, dtype=object), time.perf_counter() - began
         ended = outcome, run.failed_at, run.range_ratio
         return Motion(tuple(displacement), tuple(found), *ended, None, seconds)
@@ -142,21 +139,24 @@ class Reduced:
     ) -> Any:
         """Displacements (b, m, k) of reduced states (b, m, r)."""
         if drive is not None:
-            return self.decoded(reduced, dofs) + self._beside(reduced, instants, drive, dofs)
+            angle = (drive.frequency[:, None] * instants)[..., None]
+            waves = np.concatenate([np.sin(angle), np.cos(angle)], axis=2)
+            waves = waves * drive.amplitude[:, None, None]
+            return self._driven(reduced, waves, self.load[None], dofs)
         if dofs is None and len(reduced) == 1:
             return (decoded(self, reduced[0]),)
         return self.decoded(reduced, dofs)
 
-    def _beside(
-        self, reduced: np.ndarray, instants: np.ndarray, drive: Drive, dofs: np.ndarray | None
-    ) -> np.ndarray | float:
-        """What the load adds to the displacement (b, m, k) of reduced states (b, m, r)."""
-        added = self.rom.beside(reduced, self.load, dofs)
-        if added is None:
-            return 0.0
-        angle = drive.frequency[:, None] * instants
-        waves = np.stack([np.sin(angle), np.cos(angle)]) * drive.amplitude[:, None]
-        return np.einsum("wbm,wbmk->bmk", waves, added)
+    def _driven(
+        self, reduced: np.ndarray, waves: np.ndarray, loads: np.ndarray, dofs: np.ndarray | None
+    ) -> Any:
+        """The same under loads (k, n), whose signals are (b, m, k w) waves (`Driven`)."""
+        driven = Driven(self, self.rom, loads, waves.shape[2])
+        both = np.concatenate([reduced, waves], axis=2)
+        if dofs is None and len(reduced) == 1:
+            return (decoded(driven, both[0]),)
+        found = driven.decoded(both.reshape(-1, both.shape[2]), dofs)
+        return found.reshape(*reduced.shape[:2], -1)
 
     def return_map(self) -> FlowMap:
         """See `Model.return_map`."""

@@ -28,6 +28,7 @@ from vibrom.config.plugs import in_order
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import crossings, nmte_percent
 from vibrom.models.model import Drive
+from vibrom.models.parked import room
 from vibrom.models.recorded import released
 from vibrom.solvers.full import static
 from vibrom.solvers.full.modes import eigenmodes, linearised
@@ -177,8 +178,8 @@ class Ablation(Study):
 
 
 def less(
-    scene: Mapping[str, Any], runs: Runs, left_out: tuple[str, ...], truth: np.ndarray | None
-) -> tuple[FullOrder, dict[str, Any], np.ndarray | None]:
+    scene: Mapping[str, Any], runs: Runs, left_out: tuple[str, ...], truth: Any
+) -> tuple[FullOrder, dict[str, Any], Any]:
     """The body without some effects, its record, and its decay, which is compared with `truth`,
     that of the whole scene, where that is known.
     """
@@ -204,7 +205,7 @@ def without(scene: Mapping[str, Any], left_out: tuple[str, ...]) -> tuple[Term, 
     return total, needed_by
 
 
-def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], np.ndarray | None]:
+def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], Any]:
     """The body about its own rest state, its record, and its decay (times, n) [m] seen from the
     whole scene's rest state; None where it has none.
     """
@@ -220,7 +221,8 @@ def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], n
     if body.term.mass is None or not body.term.mass.diagonal().all():
         return body, record | static_response(body, runs.forcing), None
     keep = Record(every=runs.every, probes=body.probes)
-    decay = runs.decay(body, runs.decay_steps, keep)
+    parked = room(1, keep, runs.decay_steps, runs.whole.rest)
+    decay = runs.decay(body, runs.decay_steps, replace(keep, sink=parked))
     away = body.rest - runs.whole.rest
     watched, motions = decay.probes[0], [decay]
     record |= {
@@ -244,7 +246,8 @@ def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], n
             record["outcome"] = ended
             record["failed_at"] = np.fmin(record.get("failed_at", np.nan), motion.failed_at[0])
     went_all_the_way = Outcome(decay.outcomes[0]).has_value
-    return body, record, decay.displacement[0] + away if went_all_the_way else None
+    seen = decay.displacement[0] + away if parked is None else parked.variable[0]
+    return body, record, seen if went_all_the_way else None
 
 
 def static_response(body: FullOrder, forcing: float) -> dict[str, Any]:

@@ -150,7 +150,7 @@ class Trust(Study):
                 samples = full.samples if isinstance(drive, Signals) else SAMPLES
                 watch = Watch(full.period * np.arange(self.periods * samples + 1) / samples)
                 state = start[None] if run == "decay" else np.zeros((1, len(start)))
-                motion = np.asarray(model.motion(state, drive, watch).displacement[0][0])
+                motion = model.motion(state, drive, watch).displacement[0][0]
                 asked = full.term, full.rest, full.period, drive, motion, samples
                 found[f"{run}_balance"] = of_motion(*asked)
         return found

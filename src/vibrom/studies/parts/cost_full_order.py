@@ -22,7 +22,7 @@ import xarray as xr
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.models.full_order import FullOrder
-from vibrom.models.measures import nmte_percent
+from vibrom.models.measures import distance, nmte_percent
 from vibrom.models.model import Drive, Watch
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.studies import Case
@@ -68,7 +68,7 @@ class Question:
     periods: int
     forcing: float | None = None  # amplitude, times the scene's load; None: it is left alone
 
-    def answer(self, model: FullOrder) -> tuple[np.ndarray, float, Outcome]:
+    def answer(self, model: FullOrder) -> tuple[Any, float, Outcome]:
         """Displacement (m, n) of the whole decay, or of the last period of a forced run, at SAMPLES
         instants a period; seconds; outcome.
         """
@@ -144,7 +144,7 @@ def in_time(
     case: Case,
     model: FullOrder,
     questions: dict[str, Question],
-    truths: dict[str, np.ndarray | None],
+    truths: dict[str, Any],
 ) -> Iterator[tuple[dict[str, Any], dict[str, Measured]]]:
     """What each setting is, and its answers; one that stands in both lists is run once."""
     known: dict[tuple[Any, ...], dict[str, Measured]] = {}
@@ -158,12 +158,10 @@ def in_time(
         yield about(kind, case.scene["body"], setting), known[key]
 
 
-def measured(
-    study: Cost, model: FullOrder, question: Question, truth: np.ndarray | None
-) -> Measured:
+def measured(study: Cost, model: FullOrder, question: Question, truth: Any) -> Measured:
     """Error and time of a setting."""
 
-    def call() -> tuple[tuple[np.ndarray, Outcome], float]:
+    def call() -> tuple[tuple[Any, Outcome], float]:
         displacement, seconds, outcome = question.answer(model)
         return (displacement, outcome), seconds
 
@@ -176,7 +174,7 @@ def measured(
 
 def reference(
     model: FullOrder, question: Question, finest: Reference
-) -> tuple[np.ndarray | None, dict[str, float]]:
+) -> tuple[Any, dict[str, float]]:
     """The motion that others are compared with, None where it failed; its own error [%] and
     observed order.
     """
@@ -186,7 +184,7 @@ def reference(
         )
         for part in (1, 2, 4)
     )
-    first, second = np.linalg.norm(coarse - middle), np.linalg.norm(middle - fine)
+    first, second = (np.linalg.norm(distance(*pair)) for pair in ((coarse, middle), (middle, fine)))
     order = float(np.log2(first / second)) if second else np.nan
     # A release may excite modes that no step resolves: their order is below two, and the stated
     # error of the reference then is a lower bound.

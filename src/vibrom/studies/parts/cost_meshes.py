@@ -22,6 +22,7 @@ from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.full_order import FullOrder
 from vibrom.models.model import Drive, Watch
+from vibrom.models.samples import Samples
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.studies import Case
@@ -110,7 +111,7 @@ def solved(study: Cost, case: Case, element: str, cells: tuple[int, int], *, rep
     (displacement, outcome), run_seconds, runs = repeated(
         lambda: driven(model, forcing, study.full_order.mesh_periods), repeats, study.patience
     )
-    about["modal_amplitude"] = float(np.abs(displacement @ (term.mass @ phi)).max())
+    about["modal_amplitude"] = float(np.abs(Samples(((displacement,),)) @ (term.mass @ phi)).max())
     return Mesh(
         about,
         {
@@ -141,9 +142,7 @@ def meshed(
     )
 
 
-def driven(
-    model: FullOrder, forcing: float, periods: int
-) -> tuple[tuple[np.ndarray, Outcome], float]:
+def driven(model: FullOrder, forcing: float, periods: int) -> tuple[tuple[Any, Outcome], float]:
     """Displacement (m, n) in the last period of a run from rest, its outcome, and seconds."""
     drive = Drive(np.array([forcing]), np.array([model.frequency]))
     steps = np.arange((periods - 1) * model.samples, periods * model.samples + 1)
