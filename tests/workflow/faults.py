@@ -23,12 +23,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import psutil
-from project_copy import ROOT, copy
+from project_copy import LIMIT, ROOT, copy
 
 OVERLAYS = [str(ROOT / f"tests/workflow/{name}.yaml") for name in ("small_dag", "faults")]
 TIMES = re.compile(r"second|_s$|speed|run_time|ratio|core_hours")  # columns that differ every time
 DELETE = re.compile(r"vibrom: (\S+\.nc): .*delete it and run again")
-LIMIT = 1800  # s, of one run
 
 
 class Run:

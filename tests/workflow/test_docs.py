@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from project_copy import ROOT, RUNS, command, copy, plan
+from project_copy import ROOT, RUNS, command, copy, plan, warm
 
 PAGES = {
     path.stem: path.read_text()
@@ -70,16 +70,14 @@ def followed(tmp_path_factory):
     measure(folder)
     ruler = yaml.safe_load((folder / "config/ruler.yaml").read_text())["scene_settings"]
     (folder / "config/mine.yaml").write_text(OVERLAY + yaml.safe_dump({"scene_settings": ruler}))
-    small = str(folder / "tests/workflow/small_dag.yaml")
-    answer = command(
-        folder,
-        *("tables", "report", "scores", "--cores", "2"),
-        "--configfile",
-        small,
-        "config/mine.yaml",
-        PYTHONPATH=str(folder / "src"),
+    own = ("--configfile", str(folder / "tests/workflow/small_dag.yaml"), "config/mine.yaml")
+    with warm(folder) as start:
+        made = start(folder, "scores", "--cores", "2", *own)
+    shown = command(
+        folder, "tables", "report", "--cores", "2", *own, PYTHONPATH=str(folder / "src")
     )
-    assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
+    for answer in (made, shown):
+        assert answer.returncode == 0, (answer.stdout + answer.stderr)[-6000:]
     RUNS["docs"] = folder
     return folder
 

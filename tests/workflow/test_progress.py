@@ -5,12 +5,11 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from functools import partial
 from pathlib import Path
 
 import pytest
-from project_copy import ROOT
+from project_copy import LIMIT, ROOT, until
 
 SNAKEFILE = """
 include: "{rules}"
@@ -22,7 +21,7 @@ rule second:
     input: "first"
     output: "second"
     message: "folding: second"
-    shell: "while [ -e slow ]; do sleep 0.1; done; touch {{output}}"
+    shell: "touch begun; while [ -e slow ]; do sleep 0.1; done; touch {{output}}"
 rule first:
     output: "first"
     message: "folding: first"
@@ -58,7 +57,7 @@ def start(tmp_path):
 
 
 def test_a_job_is_one_line(start):
-    said, _ = start("--quiet", "host", "reason").communicate(timeout=120)
+    said, _ = start("--quiet", "host", "reason").communicate(timeout=LIMIT)
     lines = [LINE.fullmatch(line) for line in said.splitlines()]
     told = [(match[1], match[2], match[3], bool(match[5])) for match in lines if match]
     assert told == [
@@ -70,19 +69,15 @@ def test_a_job_is_one_line(start):
 
 
 def test_who_wants_to_know_everything_is_told(start):
-    said, _ = start("--quiet", "host").communicate(timeout=120)
+    said, _ = start("--quiet", "host").communicate(timeout=LIMIT)
     assert "Finished jobid" in said and "3 of 3 steps (100%) done" in said
 
 
 def test_ctrl_c_ends_in_one_sentence(start, tmp_path):
     (tmp_path / "slow").touch()
     run = start("--quiet", "host", "reason")
-    for _ in range(600):
-        if (tmp_path / "first").exists() and (tmp_path / ".snakemake/incomplete").exists():
-            break
-        time.sleep(0.1)
-    time.sleep(1.0)
+    until((tmp_path / "begun").exists)
     os.killpg(run.pid, signal.SIGINT)
-    said, _ = run.communicate(timeout=120)
+    said, _ = run.communicate(timeout=LIMIT)
     assert run.returncode != 0 and said.count("The same command goes on from here") == 1
     assert not any(word in said for word in ("Traceback", "Error", "died with")), said

@@ -4,11 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-from project_copy import ROOT, command
+from project_copy import ROOT, command, until
 
 # `first` is made at once; `second` takes its time once, as long as the file `slow` is there.
 SNAKEFILE = """
@@ -19,7 +18,7 @@ include: "{rules}"
 rule second:
     input: "first"
     output: "second"
-    shell: "while [ -e slow ]; do sleep 0.1; done; touch {{output}}"
+    shell: "touch begun; while [ -e slow ]; do sleep 0.1; done; touch {{output}}"
 rule first:
     output: "first"
     shell: "touch {{output}}"
@@ -35,11 +34,7 @@ def running(tmp_path):
     (tmp_path / "slow").touch()
     line = [str(Path(sys.executable).with_name("snakemake")), "--cores", "1"]
     run = subprocess.Popen(line, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for _ in range(600):
-        if (tmp_path / "first").exists() and (tmp_path / ".snakemake/incomplete").exists():
-            break
-        time.sleep(0.1)
-    time.sleep(1.0)
+    until((tmp_path / "begun").exists)
     yield run
     (tmp_path / "slow").unlink(missing_ok=True)
     run.kill()

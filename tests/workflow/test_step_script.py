@@ -160,7 +160,7 @@ sys.path[:0] = [{tests!r}]
 import pathlib, runpy, types
 from test_step_script import job
 module = types.ModuleType("vibrom.steps.probe")
-module.run = lambda **given: (print("running", flush=True), time.sleep(60))
+module.run = lambda **given: (print("running", flush=True), time.sleep(600))
 sys.modules["vibrom.steps.probe"] = module
 given = {{"snakemake": job(pathlib.Path({folder!r}), "probe")}}
 runpy.run_path({script!r}, init_globals=given)
@@ -188,7 +188,7 @@ def test_a_job_ends_with_the_run_that_started_it(root, tmp_path):
     assert parent.stdout.readline() == "running\n"
     parent.kill()
     parent.wait()
-    assert psutil.wait_procs([orphan], timeout=10) == ([orphan], [])
+    assert psutil.wait_procs([orphan], timeout=300) == ([orphan], [])
 
 
 def test_a_package_that_cannot_be_written_to_has_its_compiled_code_elsewhere(run, monkeypatch):

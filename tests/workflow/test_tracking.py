@@ -8,12 +8,11 @@ import socket
 import sqlite3
 import subprocess
 import sys
-import time
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
+from project_copy import until
 
 from vibrom import tracking
 from vibrom.tracking import TrackedRun, record, thinned
@@ -177,6 +176,14 @@ def test_what_cannot_be_served_is_one_line(store, tmp_path, capsys):
 WITHOUT_JOBS = os.environ | {"MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
 
 
+def listens(port: int) -> bool:
+    try:
+        socket.create_connection(("127.0.0.1", port), timeout=1).close()
+    except OSError:
+        return False
+    return True
+
+
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
     """A tracking server on the loopback."""
@@ -189,10 +196,7 @@ def server(tmp_path_factory):
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": WITHOUT_JOBS}
     process = subprocess.Popen(command, cwd=folder, start_new_session=True, **quiet)
     try:
-        for _ in range(240):
-            with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1):
-                break
-            time.sleep(0.5)
+        until(lambda: process.poll() is not None or listens(port))
         yield f"http://127.0.0.1:{port}"
     finally:
         os.killpg(process.pid, signal.SIGTERM)
