@@ -39,17 +39,17 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# Two halves of the tests beside each other, and the checks beside the half that takes longer. What
-# each has to say is shown when it ends.
+# Two halves of the tests beside each other, whole runs and what they show in one, and the checks
+# beside the half that takes longer. What each has to say is shown when it ends.
 test: environment
 	@$(MAKE) --no-print-directory --output-sync=target -kj 2 test-workflow test-parts static
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 test-workflow:
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests/workflow
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests/workflow tests/report
 
 test-parts:
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q --ignore=tests/workflow
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q --ignore=tests/workflow --ignore=tests/report
 
 ui: environment
 	@$(BIN)/python -m vibrom.tracking $(RESULTS)/mlflow.db $(PORT)

@@ -38,6 +38,7 @@ SLOW = (
     "workflow/test_provenance.py",
     "workflow/test_resume.py",
     "workflow/test_small_dag.py",
+    "workflow/test_small_dag_again.py",
     "workflow/test_tracking.py",
 )
 
@@ -50,6 +51,7 @@ LAST = (
     "workflow/test_faults.py",
     "workflow/test_module.py",
     "workflow/test_small_dag.py",
+    "workflow/test_small_dag_again.py",
 )
 
 

@@ -4,6 +4,11 @@ import re
 
 from project_copy import ROOT, command, copy, plan
 
+SEEDED = ("split", "split_plus")
+FITTED_ONCE = ("ssmlearn", "ssmlearn_11", "pysindy_modal", "equations")
+EXPERIMENTS = ("reconstruction", "decay", "backbone", "forced", "frc", "eigenvalues", "run_times")
+EXPERIMENTS += ("branches", "s_curve", "resonance", "sweeps", "response")
+
 
 class Run:
     """A copy of the repository whose package can be edited."""

@@ -118,25 +118,18 @@ def test_a_run_has_source_duration_note_and_data(store):
     assert rows(store, "select name, digest from datasets") == [("folding train", "0123abc")]
 
 
-def test_any_path_holds_a_store_and_nothing_is_left_outside(tmp_path):
-    name = "a?b#c%20d e"
-    folder = tmp_path / name
-    folder.mkdir()
-    record([TrackedRun("one")], store=folder / "mlflow.db", artifacts=folder / "mlflow_artifacts")
-    assert serve.experiment(folder / "mlflow.db") == "1"
-    assert sorted(path.name for path in folder.iterdir()) == ["mlflow.db", "mlflow_artifacts"]
-    assert [path.name for path in tmp_path.iterdir()] == [name]
-
-
-def test_a_project_that_was_moved_keeps_its_files(tmp_path):
+def test_any_path_holds_a_store_that_may_be_moved_and_nothing_is_left_outside(tmp_path):
     from mlflow import MlflowClient
 
-    before, after = tmp_path / "before_1", tmp_path / "after"
+    name = "a?b#c%20d e"
+    before, after, table = tmp_path / name, tmp_path / "after", tmp_path / "decay.csv"
     before.mkdir()
-    table = tmp_path / "decay.csv"
     table.write_text("case\n")
     runs = [TrackedRun("summary", files={"tables": [str(table)]})]
     record(runs, store=before / "mlflow.db", artifacts=before / "mlflow_artifacts")
+    assert serve.experiment(before / "mlflow.db") == "1"
+    assert sorted(path.name for path in before.iterdir()) == ["mlflow.db", "mlflow_artifacts"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [name, table.name]
     before.rename(after)
     serve.relocate(after / "mlflow.db")
     client = MlflowClient(f"sqlite:///{after / 'mlflow.db'}")
