@@ -21,7 +21,7 @@ SINKS |= {"report", "tracking", "crate", "headline", "all"}
 
 
 def test_a_second_run_has_nothing_to_do(small):
-    again = small.snakemake("--cores", "2")
+    again = small.snakemake("--cores", "2", start=plan)
     assert again.returncode == 0 and "Nothing to be done" in again.stdout + again.stderr
 
 
