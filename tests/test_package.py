@@ -70,7 +70,8 @@ def test_what_is_installed_is_said_by_one_command():
 def test_a_wheel_of_the_source_distribution_holds_every_file_of_the_package(tmp_path):
     """As `python -m build` makes them, one of the other."""
     project = tmp_path / "project"  # a copy, as a build leaves files beside the sources
-    shutil.copytree(ROOT / "src", project / "src", ignore=shutil.ignore_patterns("*.egg-info"))
+    left = shutil.ignore_patterns("*.egg-info", "__pycache__")  # others may compile at this moment
+    shutil.copytree(ROOT / "src", project / "src", ignore=left)
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, project)
     script = f"import setuptools.build_meta as made; made.build_sdist({str(tmp_path)!r})"
