@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from bad_entries import BAD
-from project_copy import change, command, plan
+from project_copy import change, plan
 
 from vibrom.__main__ import check
 from vibrom.config.command_line import overlays
@@ -56,7 +56,7 @@ def answer_lines(answer) -> list[str]:
 )
 def test_a_broken_main_file(project, content, says):
     (project / "config/config.yaml").write_bytes(content)
-    answer = command(project, "-n")
+    answer = plan(project, "-n")
     assert answer.returncode != 0
     assert answer_lines(answer) == [f"vibrom: config/config.yaml: {says}"]
 
