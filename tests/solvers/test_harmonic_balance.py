@@ -36,7 +36,7 @@ def test_one_harmonic_of_duffing_is_its_closed_form():
     assert a.max() > 1.0 and len(folds(found)) == 2
     c = systems.DUFFING["damping"]
     force = a * np.hypot(1.0 - w**2 + 0.75 * a**2, c * w)
-    # The last correction, 1e-6, is still made, and folds are rounded as the others are.
+    # The last correction, 1e-5, is still made: some squares of it are left.
     np.testing.assert_allclose(force, 0.1, rtol=1e-8)
     np.testing.assert_allclose(x[:, 0], 0.0, atol=1e-9)
 

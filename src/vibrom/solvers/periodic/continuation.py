@@ -53,7 +53,8 @@ class Pace:
     largest: float = 0.5
     smallest: float = 1e-5
     turn: float = 0.25  # rad, that the tangent may turn in a step
-    tolerance: float = 1e-6  # of the last correction, which is still made: its square is left
+    tolerance: float = 1e-6  # of the last correction, which is still made
+    exact: float = 1e-5  # the same of Newton's method, of which some squares of it are left
     near: float = 1e-4  # of the derivative's own point to the solution
     iterations: int = 16
     few: int = 9  # evaluations up to which a step may grow
@@ -85,6 +86,9 @@ class Point:
 
 MOST = 8  # points between two on the way to a root
 FEW = 32  # quarter steps from one to the other, which may be shorter still
+# Steps in a row no longer than STUCK lead nowhere, and a walk ends. It passes folds close by each
+# other, and branches that turn sharply, in fewer.
+CRAWL, STUCK = 24, 2e-3
 
 
 class Lost(ArithmeticError):
@@ -139,7 +143,8 @@ class _Corrector:
             u = u + change
             if exact and size <= self.pace.near and not value.rough:
                 kept = value
-            if kept is not None and size <= self.pace.tolerance and not value.rough:
+            enough = self.pace.exact if self.pace.newton else self.pace.tolerance
+            if kept is not None and size <= enough and not value.rough:
                 return u, kept, count
             # A derivative is due where its own correction will be small, or others do no good.
             rate = size / before if np.isfinite(before) else 0.1
@@ -251,10 +256,10 @@ def turning(left: Point, right: Point, pace: Pace) -> float:
 
 def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
     """The branch from `start` along its tangent, `start` itself left out, for as long as it is
-    wanted. Raises Lost where the smallest step finds no solution.
+    wanted. Raises Lost where the smallest step finds no solution, or where it only creeps on.
     """
-    point, before, length = start, None, pace.first
-    while True:
+    point, before, length, short = start, None, pace.first, 0
+    while short < CRAWL:
         try:
             ahead = beyond(problem, point, length, pace, before)
             angle = turning(point, ahead, pace)
@@ -265,11 +270,13 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
             if length < pace.smallest:
                 raise
             continue
+        short = short + 1 if length <= STUCK else 0
         growth = min(pace.turn / max(angle, 1e-12), 2.0 if ahead.iterations <= pace.few else 0.7)
         length = min(length * max(growth, 0.4), pace.largest)
         before, point = point, ahead
         pace.heard(1)
         yield point
+    raise Lost("the branch is followed by steps that are too short")
 
 
 def between(

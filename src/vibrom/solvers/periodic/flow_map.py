@@ -6,12 +6,14 @@ Z is the training range. Runge-Kutta steps of order 8 (Dormand and Prince's, as 
 Wanner, Solving Ordinary Differential Equations I, II.5), all of one length, so that the map is
 smooth: its derivative is taken by central differences of the map itself, the neighbours side by
 side with the point in the lanes of one run, so that one position and its velocity cost no more than
-the value (1e-9 of the derivative is lost). A period takes a power of two of steps, more where the
-embedded estimate of order 5 asks for it.
+the value (1e-9 of the derivative is lost). The one along a, which only tells where to go, is taken
+ahead (1e-5 is lost), so that eight lanes are enough. The estimate of the error, which falls with
+the power 8 of the step as that of DOP853, says how many steps a period takes.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -24,9 +26,10 @@ from vibrom.solvers.reduced.field import VectorField
 
 NUDGE = 1e-5  # of the range, of the frequency and of the amplitude
 TOLERANCE = 1e-7  # of the range, estimated error of a step; what is lost in a period is less
-SMALL = 1e-4  # of it: half as many steps would do
+AIM = 0.2  # of it, where the number of steps is chosen anew
+FEWER = 0.75  # of the steps: where so few would do, so many are taken next time
 LOOSE = 1e-3  # with all the steps there are: a worse motion is lost
-FEWEST, MOST = 16, 256  # steps to a period
+FEWEST, MOST = 12, 256  # steps to a period
 KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that are shown
 PHASES = 32  # samples of a period that tell its first harmonic
 
@@ -94,10 +97,17 @@ class FlowMap:
         found = Return(end[0], ok=True, in_phase=float(value[0, r]) if phase else None)
         if not derivative:
             return found
-        slopes = ((value[1 : r + 3] - value[r + 3 :]) / (2.0 * nudges[:, None])).T
+        slopes = self._slopes(value, nudges)
         by_x, by_frequency, by_amplitude = slopes[:r, :r], slopes[:r, r], slopes[:r, r + 1]
         found = replace(found, by_start=by_x, by_frequency=by_frequency, by_amplitude=by_amplitude)
         return replace(found, in_phase_by=slopes[r]) if phase else found
+
+    def _slopes(self, value: np.ndarray, nudges: np.ndarray) -> np.ndarray:
+        """(k, r + 2) of what `_neighbours` give (2 r + 4, k)."""
+        ahead, behind = value[1 : self.size + 3], value[self.size + 3 :]
+        behind = np.concatenate([behind, value[:1]])
+        nudged = np.append(2.0 * nudges[:-1], nudges[-1])
+        return ((ahead - behind) / nudged[:, None]).T
 
     def _in_phase(self, path: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
         """(b,) what is in phase with the load in samples (b, k, r) of a period, under amplitudes
@@ -114,9 +124,9 @@ class FlowMap:
 
     @cached_property
     def _neighbours(self) -> np.ndarray:
-        """(2 r + 5, r + 2) the point itself, then those ahead of it, then those behind."""
+        """(2 r + 4, r + 2) the point itself, then those ahead of it, then those behind."""
         axes = np.eye(self.size + 2)
-        return np.concatenate([0.0 * axes[:1], axes, -axes])
+        return np.concatenate([0.0 * axes[:1], axes, -axes[:-1]])
 
     def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
         """The motions over a period from x (b, r)."""
@@ -161,7 +171,7 @@ class FlowMap:
         """(ends (b, r), samples (b, kept, r) from the start on), in units of the range, of points
         (b, r + 2): x, frequency and amplitude.
         """
-        number = max(self.steps.number, kept)
+        number = -(-self.steps.number // kept) * kept
         run = (
             partial(flow_steps.plain, (self.drift, self.force), self.reach)
             if self.field is None
@@ -169,13 +179,20 @@ class FlowMap:
         )
         end, path, error = run(points, number, kept)
         while not error < TOLERANCE and number < MOST:
-            number *= 2
+            number = -(-_enough(number, error) // kept) * kept
             end, path, error = run(points, number, kept)
         if not error < LOOSE:
             return np.full_like(end, np.nan), path
         if kept == 1:
-            self.steps.number = max(number // 2 if error < SMALL * TOLERANCE else number, FEWEST)
+            fewer = _enough(number, error)
+            self.steps.number = fewer if fewer < FEWER * number else number
         return end, path
+
+
+def _enough(number: int, error: float) -> int:
+    """Steps of which the worst has AIM of the tolerance, if `number` of them have this error."""
+    ratio = (error / (AIM * TOLERANCE)) ** (1.0 / 8.0) if np.isfinite(error) else 2.0
+    return min(max(4 * math.ceil(number * min(ratio, 2.0) / 4.0), FEWEST), MOST)
 
 
 def _waves(count: int) -> np.ndarray:

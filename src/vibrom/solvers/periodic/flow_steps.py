@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
+from vibrom.kernels.callback import address_of, kernel_at
 from vibrom.kernels.compiled import Blocks, Numbers, Vector, machine_type, passing_kernels
 from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
 from vibrom.solvers.reduced import order_8
-from vibrom.solvers.reduced.field import MAP, VectorField
+from vibrom.solvers.reduced.field import KERNEL, MAP, VectorField
 
 Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
 
@@ -40,7 +41,8 @@ def compiled(
     drift, force = field.drift, field.force
     work = np.empty(WIDTH * max(drift.rows, force.rows))
     tables = Tables(drift.numbers, drift.index, force.numbers, force.index, work)
-    worst = _flow(drift.function, force.function, tables, reach, number, lanes, path)
+    functions = (address_of(kernel.function, KERNEL) for kernel in (drift, force))
+    worst = _flow(*functions, tables, reach, number, lanes, path)
     # (groups, ..., r, WIDTH) -> (runs, ..., r)
     ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
     samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
@@ -147,11 +149,12 @@ def _period(drift, force, tables, reach, number, lanes, path, scratch):
     return worst
 
 
-def _loop(drift, force, tables, reach, number, lanes, path):
+def _loop(drift_at, force_at, tables, reach, number, lanes, path):
     """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
     amplitude, over a period, and fills `path` (groups * kept, r, WIDTH). The largest error of a
     step, of the range.
     """
+    drift, force = _map(drift_at), _map(force_at)
     worst, kept = 0.0, len(path) // len(lanes)
     scratch = room((STAGES + 2) * len(reach) + 2, WIDTH)
     for group in range(len(lanes)):
@@ -161,6 +164,7 @@ def _loop(drift, force, tables, reach, number, lanes, path):
     return worst
 
 
+_map = kernel_at(MAP)
 with passing_kernels():
-    _records = (machine_type(item) for item in (Tables, Vector, int, Blocks, Blocks))
-    _flow = kernel(types.float64(MAP, MAP, *_records), fastmath={"contract"})(_loop)
+    _records = (machine_type(item) for item in (int, int, Tables, Vector, int, Blocks, Blocks))
+    _flow = kernel(types.float64(*_records), fastmath={"contract"})(_loop)
