@@ -232,3 +232,27 @@ def test_folds_that_are_close_are_minor():
     kinds = [(1.0, Kind.FOLD), (0.9999, Kind.FOLD), (1.05, Kind.FOLD), (1.03, Kind.FOLD)]
     named = minor_folds([at(*item) for item in kinds], 1e-3)
     assert [orbit.kind for orbit in named] == [Kind.MINOR_FOLD] * 2 + [Kind.FOLD] * 2
+
+
+def test_a_walk_that_only_creeps_on_ends():
+    """A spiral r = e^(-phi/4) about (1, 1): at the allowed turn its steps are ever shorter."""
+
+    def spiral(x, p, derivative):
+        a, b = x[0] - 1.0, p - 1.0
+        square, angle = a * a + b * b, np.arctan2(b, a) + 2.0 * np.log(a * a + b * b)
+        rate_x, rate_p = (-b + 4.0 * a) / square, (a + 4.0 * b) / square
+        r, sine, cosine = np.sqrt(square), np.sin(angle), np.cos(angle)
+        by_x = np.array([[a / r * sine + r * cosine * rate_x]])
+        by_p = np.array([b / r * sine + r * cosine * rate_p])
+        return Value(np.array([r * sine]), by_x, by_p)
+
+    pace = Pace(1.0, first=0.02, newton=True)
+    radius = np.exp(-np.pi / 4)  # there phi is pi, and sin(phi + 4 ln r) = 0
+    start = continuation.at(spiral, np.array([1.0 - radius]), 1.0, pace, toward=-1.0)
+    walked = []
+    with pytest.raises(Lost, match="too short"):
+        for point in continuation.walk(spiral, start, pace):
+            walked.append(np.hypot(point.x[0] - 1.0, point.p - 1.0))
+            assert len(walked) < 200
+    # A step of 2e-3 at the allowed turn is where r = 8e-3; each further one takes 6 % of r.
+    assert 8e-3 * 0.9**40 < walked[-1] < 8e-3

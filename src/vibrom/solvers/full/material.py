@@ -16,6 +16,7 @@ from scipy.linalg.lapack import dgbsv
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
+from vibrom.solvers.threads import mapped, worth
 from vibrom.term import Quartic, Term
 
 WIDEST = 100  # half bandwidth that is still factorised as a band
@@ -59,7 +60,13 @@ class Material:
 
     def solve(self, q: np.ndarray, r: np.ndarray, scale: float) -> np.ndarray:
         """A(q)^-1 r (m, n) of displacements and right sides (m, n)."""
-        return np.stack([self._solved(*one) for one in zip(self.at(q, scale), r)])
+
+        def some(rows: np.ndarray) -> list[np.ndarray]:
+            return [self._solved(*one) for one in zip(self.at(q[rows], scale), r[rows])]
+
+        count = min(worth(self.n), len(q))
+        parts = mapped(some, np.array_split(np.arange(len(q)), count), count)
+        return np.stack([one for part in parts for one in part])
 
     def _solved(self, values: np.ndarray, r: np.ndarray) -> np.ndarray:
         """Of entries (k,) and a right side (n,)."""

@@ -21,6 +21,7 @@ from vibrom.solvers.manifold.covectors import Covectors
 from vibrom.solvers.manifold.parametrisation import Manifold
 from vibrom.solvers.manifold.pencil import Border
 from vibrom.solvers.manifold.tangent import Degree, TangentSeries
+from vibrom.solvers.threads import mapped, worth
 
 
 def beside(
@@ -48,7 +49,9 @@ def beside(
         h = sum((part.next(degree) for part in forces), np.zeros(lower[0].shape, complex))
         missing = np.zeros((len(degree.targets), len(values)), complex)
         np.subtract.at(missing, degree.row, measured[:, degree.right + 1, degree.left].T)
-        for row, target in enumerate(degree.targets):
+
+        def solve(row: int, degree=degree, lower=lower, h=h, missing=missing) -> None:
+            target = degree.targets[row]
             sigma, (a, b) = sums[target] + 1j * frequency, (part[row] for part in lower)
             f = -h[row] - pencil.mass @ (b + sigma * a) - pencil.damping @ a
             factor = (sigma + values)[:, None]
@@ -63,6 +66,8 @@ def beside(
                 sigma, f if target else f + load, border
             )
             state[1, target] = sigma * state[0, target] + a + extra @ masters.shapes
+
+        mapped(solve, range(len(degree.targets)), worth(pencil.size))
         here = degree.targets
         measured[:, :, here] = sum(m @ part[here].T for m, part in zip(measures, state))
         for part in forces:

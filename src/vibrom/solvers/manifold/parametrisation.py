@@ -29,6 +29,7 @@ from vibrom.solvers.manifold.masters import Masters, masters
 from vibrom.solvers.manifold.monomials import Monomials, Pairs
 from vibrom.solvers.manifold.pencil import Border, Pencil
 from vibrom.solvers.manifold.products import kept_of, schedule
+from vibrom.solvers.threads import mapped, worth
 from vibrom.term import SceneError, Term
 
 STYLES = ("normal_form", "graph")
@@ -126,8 +127,12 @@ class _Series:
             a, b = mix @ self.w, mix @ self.v
             right = -force - (self.pencil.mass @ b.T).T - (self.pencil.damping @ a.T).T
             right -= self.sums[targets, None] * (self.pencil.mass @ a.T).T
-            for target, f, lower in zip(targets, right, a):
-                self._solve(int(target), f, lower, np.nonzero(resonant[:, target])[0])
+
+            def solve(k: int, targets=targets, right=right, a=a) -> None:
+                held = np.nonzero(resonant[:, targets[k]])[0]
+                self._solve(int(targets[k]), right[k], a[k], held)
+
+            mapped(solve, range(len(targets)), worth(self.pencil.size))
             self._complete(targets)
         return Manifold(
             self.pencil, self.forces, self.masters, self.monomials, self.w, self.v, self.r

@@ -13,6 +13,7 @@ from numba import types
 
 from vibrom.kernels.lanes import kernel
 from vibrom.solvers.manifold.monomials import Monomials, Pairs
+from vibrom.solvers.threads import mapped, worth
 
 BLOCK = 64  # points
 _values = types.float64[:, :, :, ::1]
@@ -69,14 +70,16 @@ def kept_of(monomials: Monomials, degree: int) -> np.ndarray:
         types.Tuple((_places, _places, _signs, _places, _signs)),
         types.Tuple((_places, _places, _places, _signs)),
         _values,
-    )
+        types.int64,
+        types.int64,
+    ),
+    nogil=True,
 )
-def _multiply(a, b, pairs, form, c):
+def _multiply(a, b, pairs, form, c, begins, ends):
     begin, left, left_sign, right, right_sign = pairs
     outs, ones, others, factors = form
-    points = c.shape[3]
-    for first in range(0, points, BLOCK):
-        last = min(first + BLOCK, points)
+    for first in range(begins, ends, BLOCK):
+        last = min(first + BLOCK, ends)
         for target in range(len(begin) - 1):
             for k in range(begin[target], begin[target + 1]):
                 sa, sb = left_sign[k], right_sign[k]
@@ -103,4 +106,8 @@ def multiply(
     """Adds the products to `into` (targets, outs, 2, points); a and b (kept, components, 2,
     points).
     """
-    _multiply(a, b, tuple(pairs), tuple(form), into)
+    blocks = -(-into.shape[3] // BLOCK)
+    parts = min(worth(into.shape[3]), blocks)
+    ends = np.append(BLOCK * (blocks * np.arange(parts) // parts), into.shape[3])
+    given = a, b, tuple(pairs), tuple(form), into
+    mapped(lambda k: _multiply(*given, ends[k], ends[k + 1]), range(parts), parts)

@@ -19,8 +19,6 @@ the other.
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -34,6 +32,7 @@ from vibrom.kernels.lanes import get, kernel, part, put, room
 from vibrom.solvers.full.batch import mass_damping
 from vibrom.solvers.full.newmark import Newmark, half_bandwidth
 from vibrom.solvers.full.tangent import Tangent
+from vibrom.solvers.threads import mapped
 from vibrom.term import Term
 
 WIDE = 16  # columns, or steps, in flight: two registers hide each other's waiting
@@ -180,15 +179,9 @@ def _carried_banded(
     def one(group: int) -> None:
         _carry(lanes[group], given[group], tables, method)
 
-    with ThreadPoolExecutor(threads()) as pool:
-        list(pool.map(one, range(groups)))
+    mapped(one, range(groups))
     ends = lanes[:, :2].transpose(1, 2, 0, 3).reshape(2, n, groups * WIDE)[:, :, :count]
     return ends, given[:, 2].reshape(-1)[:count]
-
-
-def threads() -> int:
-    """What OMP_NUM_THREADS says, as for other numerical libraries; without it all cores."""
-    return int(os.environ.get("OMP_NUM_THREADS", 0)) or os.cpu_count() or 1
 
 
 class Method(NamedTuple):
