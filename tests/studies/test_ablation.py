@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from vibrom import effects
 from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
 from vibrom.bodies import space
-from vibrom.models import full_order
+from vibrom.models import full_order, samples
 from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.full.static import equilibrium
@@ -322,3 +322,17 @@ def test_a_step_that_does_not_converge_is_an_outcome_of_the_body_that_took_it(
 
 def test_the_artefact_names_the_machine(oscillator):
     assert "cores" in oscillator[0].attrs["hardware"] and oscillator[0].attrs["repeats"] == 1
+
+
+def test_decays_on_a_scratch_file_have_the_errors_of_those_in_memory(tmp_path, monkeypatch):
+    """A beam under its weight, so that rest states differ; rounding is all that may."""
+    listed = {**LINEAR, **DAMPING, "gravity": {}}
+    found = []
+    for block in (samples.BLOCK, 1000):
+        monkeypatch.setattr(samples, "BLOCK", block)
+        lengths = {"decay_periods": 2, "forced_periods": 1}
+        answers, *_ = ask(tmp_path, body(cells=[6, 1]), listed, lambda mode, tip: mode, **lengths)
+        found.append(answers["decay_nmte"].values)
+    one, other = found
+    assert np.nanmax(one) > 1.0
+    np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9)
