@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from legible import faults
 from plotly.graph_objects import Figure
 
 from vibrom.report import figures, outputs, plots, tables
@@ -47,6 +48,12 @@ def of(real):
     return cache(chosen)
 
 
+@pytest.fixture(scope="module")
+def drawn(of):
+    """A figure, drawn once."""
+    return cache(lambda name: figures.make(name, *of(FAMILY[name])))
+
+
 @pytest.mark.parametrize("name", TABLES)
 def test_a_table_has_its_columns_once_and_a_unit_on_every_number(of, name):
     made = tables.make(name, *of(FAMILY[name]))
@@ -71,14 +78,19 @@ def test_a_table_is_written_alike_twice_in_every_format(of, name):
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_every_axis_says_what_it_shows_in_which_unit(of, name):
-    figure = figures.make(name, *of(FAMILY[name]))
+def test_every_axis_says_what_it_shows_in_which_unit(drawn, name):
+    figure = drawn(name)
     assert figure.axes
     for axes in figure.axes:
         if axes.get_label() != "<colorbar>":
             shared = axes.get_shared_y_axes().get_siblings(axes)  # one of them says it for all
             assert any(UNITS.search(one.get_ylabel()) for one in shared)
             assert UNITS.search(axes.get_xlabel())
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_is_legible_in_a_column_of_a_journal(drawn, name):
+    assert faults(drawn(name)) == []
 
 
 @pytest.mark.parametrize("name", FAMILY)
@@ -91,7 +103,7 @@ def test_a_run_with_nothing_but_its_structure_still_has_every_output(of, name):
         figure = figures.make(name, left, Scores([]))
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         words = [text.get_text() for axes in figure.axes for text in axes.texts]
-        assert "".join(titles + words).strip()
+        assert "".join(titles + words).strip() and faults(figure) == []
 
 
 @pytest.mark.parametrize("kind", outputs.FORMATS)

@@ -83,9 +83,19 @@ def test_tables_are_read_to_the_blind(page):
     for table in re.findall(r"<table.*?</table>", page, re.DOTALL):
         assert "<caption>" in table or "data-name" not in table
         assert '<th scope="col">' in table or "data-name" not in table
-    assert all(re.findall(r'<img [^>]*alt="([^"]{40,})"', page)) and 'alt=""' not in page
-    seen = re.findall(r'class="panel" role="img"[^>]*aria-label="([^"]*)"', page)
-    assert len(seen) > 10 and any("Full order: " in words and " to " in words for words in seen)
+    short = re.findall(r'<img [^>]*alt="([^"]*)"', page)
+    panels = re.findall(r'class="panel" role="img"[^>]*aria-label="([^"]*)"', page)
+    assert short and all(40 < len(words) < 300 for words in short)
+    assert len(panels) > 10 and all(20 < len(words) < 300 for words in panels)
+
+
+def test_every_figure_has_its_numbers_in_words_beside_it(page):
+    words = dict(
+        re.findall(r'<details class="words" id="words-(\w+)">(.*?)</details>', page, re.DOTALL)
+    )
+    assert set(words) == PLUGS and all("<p>" in said for said in words.values())
+    assert set(re.findall(r'aria-details="words-(\w+)"', page)) == PLUGS
+    assert "Full order: " in words["backbones"] and " to " in words["backbones"]
 
 
 def test_the_answer_is_made_of_the_numbers(page, real):

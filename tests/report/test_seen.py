@@ -68,8 +68,8 @@ def test_a_shape_is_as_far_off_as_its_artefact_says(real):
     found = real.find("small", "modal_projection", "forced")
     true = found["final_shape_true"].values
     off = 100.0 * np.linalg.norm(found["final_shape"].values - true) / np.linalg.norm(true)
-    said = f"small, Modal projection: {number(off, 2)} % from the full order."
-    assert said in final_shapes.seen(real, Scores.of(real))
+    said = f"Modal projection: {number(off, 2)} % from the full order."
+    assert said in final_shapes.seen(real, Scores.of(real), "small")
 
 
 def test_trust_is_that_of_the_least_trusted_seed(real):

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache, partial
 from importlib import import_module
 from importlib.resources import files
+from textwrap import shorten
 from types import ModuleType
 from typing import Any
 
@@ -28,6 +29,7 @@ from vibrom.report.table import Table, printed, render, resource, table, to_html
 from vibrom.thesis import published as thesis
 from vibrom.thesis.labels import label
 
+BREATH = 280  # letters of an alternative text: what is read from a figure stands beside it
 HEAVY = 200_000  # bytes: a drawing above this goes in as pixels
 COLOURS = 64  # of such pixels
 # A table stands in two columns on paper where its longest words fit half a page, and its lines are
@@ -160,7 +162,8 @@ class Figures:
             self.data[plug] = [panel.figure(self.looks) for panel in panels]
             made |= {
                 "caption": plot_caption(made["caption"], module.plot.__doc__),
-                "panels": [panel.seen for panel in panels],
+                "panels": [panel.short for panel in panels],
+                "words": [panel.seen for panel in panels],
                 "switch": any(panel.switch for panel in panels),
                 "notes": [
                     f"{panel.title}: {' '.join(panel.notes)}" for panel in panels if panel.notes
@@ -168,19 +171,25 @@ class Figures:
             }
         else:
             made["images"] = [
-                {"address": image(formats), "seen": self.seen(module, plug, scene), "of": scene}
+                {"address": image(formats), "short": self.short(plug, scene)}
                 for scene, formats in drawn.items()
             ]
+            made["words"] = [self.seen(module, plug, scene) for scene in drawn]
         half = len(made.get("panels", [])) <= 2 and len(made["images"]) <= 1  # of a page of paper
         return made | {"half": half, "links": self.links(plug, list(drawn))}
 
-    def seen(self, module: ModuleType, plug: str, scene: str | None) -> str:
-        """The drawing in words, from its numbers where its file says them."""
+    def short(self, plug: str, scene: str | None) -> str:
+        """What a drawing shows, in a breath: its title, and the first sentences of its caption."""
         caption = self.captions[f"figures/{plug}"]
         head = f"{caption.title}{f', case {scene}' if scene else ''}. "
+        return shorten(head + " ".join(caption.paragraphs), BREATH, placeholder=" …")
+
+    def seen(self, module: ModuleType, plug: str, scene: str | None) -> str:
+        """What is read from a drawing, from its numbers where its file says them."""
+        said = " ".join(self.captions[f"figures/{plug}"].paragraphs)
         if hasattr(module, "seen"):
-            return head + module.seen(self.collection, self.scores, scene)
-        return head + " ".join(caption.paragraphs)
+            said = module.seen(self.collection, self.scores, scene)
+        return f"Case {scene}. {said}" if scene else said
 
     def links(self, plug: str, scenes: Sequence[str | None]) -> list[tuple[str, str]]:
         """Words and addresses of a figure's data and of its drawings for print."""

@@ -77,6 +77,13 @@ class Panel:
     notes: Sequence[str] = ()  # what is not drawn, and why
 
     @property
+    def short(self) -> str:
+        """What is seen, in a breath."""
+        count = sum(bool(np.isfinite(one.y).any()) for one in self.series)
+        lines = f"{count} line{'s' if count != 1 else ''}"
+        return f"{self.title}: {quantity(self.y)} against {quantity(self.x)}, {lines}."
+
+    @property
     def seen(self) -> str:
         """The panel in words, from its numbers."""
         parts = [f"{self.title}: {quantity(self.y)} against {quantity(self.x)}."]

@@ -1,4 +1,4 @@
-"""A panel for each scene and model, with the full order's response curve behind it."""
+"""A panel for each model, with the full order's response curve behind it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from vibrom.models.curves import Curve
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER, Collection
-from vibrom.report.drawing import panels
+from vibrom.report.drawing import layout, panels
 from vibrom.report.plots import Panel, Series
 from vibrom.report.scores import Scores
 
@@ -24,33 +24,33 @@ S_AXES = ("forcing, times the load [–]", AXES[1])
 def draw(
     collection: Collection,
     scores: Scores,
+    scene: str,
     name: str,
     show: Callable[[Any, Collection, str, str, int | None], None],
     full_order: bool = False,
     whole: str = "branches",
 ) -> Figure:
-    """`show` fills the panel of a scene, a model and its median seed; `name` is what it shows, and
-    `whole` what stands behind it.
+    """`show` fills the panel of a model and its median seed; `name` is what it shows, and `whole`
+    what stands behind it.
     """
     first = [FULL_ORDER] if full_order else []
-    models = [
-        (scene, model)
-        for scene in scenes(collection, name)
-        for model in (*first, *collection.methods)
-    ]
-    figure, axes = panels.grid(max(1, len(models)), columns=4, size=(2.4, 1.9), legend=0.4)
+    asked = scene in scenes(collection, name)
+    models = [*first, *collection.methods] if asked else []
+    figure, axes = layout.grid(max(1, len(models)), height=0.7)
     for panel in axes:
         panel.set(xlabel=(S_AXES if whole == "s_curve" else AXES)[0], ylabel=AXES[1])
-    for panel, (scene, model) in zip(axes, models):
+    for panel, model in zip(axes, models):
         seed, answer = panels.drawn(collection, scores, scene, model, name)
-        panel.set_title(f"{scene}\n{panels.title(model, seed)}")
+        panel.set_title(panels.title(model, seed))
         behind(panel, curve(collection.find(scene, FULL_ORDER, whole)))
         if answer is None:
-            panels.words(panel, f"no {name} in this run")
+            layout.words(panel, f"no {name} in this run")
         else:
             show(panel, collection, scene, model, seed)
     if not models:
-        panels.words(axes[0], f"no {name} in this run")
+        layout.words(axes[0], f"no {name} in this run")
+    layout.heading(figure, scene)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 
@@ -98,7 +98,7 @@ def line(panel, found: Curve, look: dict, words: str) -> None:
 def marked(panel, found: Curve | None) -> None:
     """A model's curve, its main folds marked."""
     if found is None:
-        panels.words(panel, "no motion was found")
+        layout.words(panel, "no motion was found")
         return
     line(panel, found, FRONT, "model")
     folds = found.folds
@@ -151,13 +151,3 @@ def parts(model: str, seed: int | None, found: Curve) -> list[Series]:
         )
         made.append(series)
     return made
-
-
-def legend(figure: Figure) -> None:
-    """Every line once, below."""
-    found: dict = {}
-    for panel in figure.axes:
-        for handle, words in zip(*panel.get_legend_handles_labels()):
-            found.setdefault(words, handle)
-    if found:
-        figure.legend(list(found.values()), list(found), loc="outside lower center", ncols=4)

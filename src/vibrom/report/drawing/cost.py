@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import Collection
 from vibrom.report.cost import CONFIGURED, Pooled
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.thesis.labels import label
 
 ERRORS = {
@@ -41,15 +41,12 @@ def cost(one: Pooled, price: str) -> float:
 
 
 def name_silent(panel, found: list[Pooled], question: str) -> None:
-    """Names, above the panel, the methods of which no setting has this answer."""
+    """Names the methods of which no setting has this answer."""
     methods = dict.fromkeys(one.method for one in found)
     answered = {one.method for one in found if np.isfinite(one.error[question])}
     lost = [label(method) for method in methods if method not in answered]
     if lost:
-        rows = [", ".join(lost[first : first + 3]) for first in range(0, len(lost), 3)]
-        lines = [panel.get_title(loc="left"), "no setting has an answer:", *rows]
-        style_of = {"fontsize": 6.5, "weight": "normal", "style": "italic"}
-        panel.set_title("\n".join(lines).strip(), **style_of)
+        layout.words(panel, f"no setting has an answer: {', '.join(lost)}")
 
 
 def finish(figure: Figure, handles: dict, methods: dict[str, dict]) -> None:
@@ -59,5 +56,4 @@ def finish(figure: Figure, handles: dict, methods: dict[str, dict]) -> None:
         panels.decades(panel.yaxis)
     order = [label(method) for method in methods]
     names = sorted(handles, key=lambda name: order.index(name) if name in order else len(order))
-    lines = [handles[name] for name in names]
-    figure.legend(lines, names, loc="outside lower center", ncols=5)
+    layout.legend(figure, [handles[name] for name in names], names)

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import answered, at_probe
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import Series
 from vibrom.thesis.labels import label
 
@@ -13,10 +13,8 @@ POINTS = 1500  # of a line
 
 def draw(collection, scores, scene, experiment: str) -> Figure:
     """A panel a method: the full order, and the model on it."""
-    figure, axes = panels.grid(
-        max(1, len(collection.methods)), columns=2, size=(4.4, 1.65), legend=0.45, sharex=True
-    )
-    figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
+    figure, axes = layout.grid(max(1, len(collection.methods)), height=0.75, sharex=True)
+    layout.heading(figure, scene)
     for panel, method in zip(axes, collection.methods):
         seed, answer = panels.drawn(collection, scores, scene, method, experiment)
         panel.set(
@@ -36,9 +34,8 @@ def draw(collection, scores, scene, experiment: str) -> Figure:
             panel.plot(time, predicted, **style.PREDICTED, label="reduced model")
             panels.breathe(panel, true)
         if text := panels.ending(answer, experiment):
-            panels.words(panel, text, place="above")
-    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
-    figure.legend(*handles, loc="outside lower center", ncols=2)
+            layout.words(panel, text)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

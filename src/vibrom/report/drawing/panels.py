@@ -1,60 +1,15 @@
-"""What the figures share: a grid with a panel for each method or scene, the words for a failure,
-thinned lines.
-"""
+"""What panels share: the words for a failure, which seed is drawn, thinned lines."""
 
 import math
-import textwrap
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report.collection import Collection, outcome, scalar
 from vibrom.report.scores import Scores
 from vibrom.thesis.labels import label
-
-WIDEST = 42  # letters of a note, which fill a panel three inches wide
-
-
-def grid(
-    count: int,
-    *,
-    columns: int = 3,
-    size: tuple[float, float] = (3.1, 2.0),
-    legend: float = 0.0,
-    **subplots,
-):
-    """A figure and `count` axes; `legend` [inches] is added to the height for a legend below."""
-    columns = max(1, min(columns, count))
-    rows = max(1, math.ceil(count / columns))
-    figure = Figure(figsize=(columns * size[0], rows * size[1] + legend))
-    axes = figure.subplots(rows, columns, squeeze=False, **subplots).ravel()
-    for spare in axes[count:]:
-        spare.remove()
-    return figure, list(axes[:count])
-
-
-def words(axes, text: str, *, place: str = "centre") -> None:
-    """A note in the panel; a long one takes several lines."""
-    text = "\n".join(line for part in text.split("\n") for line in textwrap.wrap(part, WIDEST))
-    at = {
-        "centre": (0.5, 0.5, "center", "center"),
-        "above": (0.98, 0.96, "right", "top"),
-        "below": (0.02, 0.04, "left", "bottom"),
-        "left": (0.03, 0.96, "left", "top"),
-        "corner": (0.98, 0.05, "right", "bottom"),
-    }[place]
-    box = {
-        "facecolor": "white",
-        "edgecolor": "0.7",
-        "linewidth": 0.5,
-        "alpha": 0.9,
-        "boxstyle": "round,pad=0.25",
-    }
-    align = {"ha": at[2], "va": at[3], "transform": axes.transAxes}
-    axes.text(at[0], at[1], text, fontsize=7, style="italic", zorder=10, bbox=box, **align)
 
 
 def ending(dataset: xr.Dataset | None, experiment: str) -> str:
@@ -88,7 +43,7 @@ def drawn(
 def title(method: str, seed: int | None, error: float = np.nan) -> str:
     """`SPLIT+, seed 1: 0.278 %`."""
     text = label(method) if seed is None else f"{label(method)}, seed {seed}"
-    return f"{text}: {error:.3g} %" if np.isfinite(error) else text
+    return f"{text}: {error:.3g}\u00a0%" if np.isfinite(error) else text
 
 
 def thinned(*arrays: np.ndarray, limit: int = 1500) -> list[np.ndarray]:
@@ -102,7 +57,7 @@ def decades(axis) -> None:
     meet.
     """
     low, high = axis.get_view_interval()
-    steps = (1.0, 2.0, 5.0) if high < 30 * low else (1.0,)
+    steps = (1.0, 2.0, 5.0) if high < 30 * low else (1.0, 3.0) if high < 200 * low else (1.0,)
     axis.set_major_locator(LogLocator(subs=steps, numticks=9))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -2,8 +2,6 @@
 the thin lines of the models, their differences below; failed points are counted.
 """
 
-from textwrap import wrap
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -11,7 +9,7 @@ from matplotlib.ticker import LogLocator
 
 from vibrom.report import curves
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe, scalar
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import Panel, Series
 from vibrom.report.scores import Scores
 from vibrom.thesis.labels import label
@@ -19,7 +17,6 @@ from vibrom.thesis.labels import label
 FREQUENCY = "forcing frequency [rad/s]"
 TRUTH = style.TRUE | {"linewidth": 3.4}
 THIN = {"linewidth": 0.7, "markersize": 3.0, "markeredgewidth": 0.6}
-WIDE = 48  # characters of a line of notes
 SPARSE = 9  # points from one marker of a line to the next
 
 
@@ -30,7 +27,7 @@ def draw(
     the upper panels. `axes`: what the upper and the lower ones show.
     """
     pairs, figure = grid(max(1, len(collection.scenes)))
-    looks, handles, said = style.looks(collection.methods), {}, []
+    looks, handles = style.looks(collection.methods), {}
     for (upper, lower), scene in zip(pairs, collection.scenes):
         truth = collection.find(scene, FULL_ORDER, "frc")
         forcing = float(scalar(truth, "forcing"))
@@ -46,31 +43,29 @@ def draw(
                 handles |= line(upper, curve, values, method, look)
                 line(lower, curve, difference(values, truth, quantity), method, look)
             notes += note(curve, quantity, method)
-        said.append([part for text in notes for part in wrap(text, WIDE)])
-    longest = max((len(notes) for notes in said), default=0)
-    for (upper, lower), notes in zip(pairs, [*said, []]):
-        # As many lines everywhere: panels of one row are of one height.
-        lines = "\n".join([*notes, *[" "] * (longest - len(notes))])
-        below = {"transform": lower.transAxes, "va": "top", "fontsize": 6, "style": "italic"}
-        lower.text(0.0, -0.55, lines, **below)
+        if notes:
+            layout.words(upper, "\n".join(notes))
+    for upper, lower in pairs:
         upper.set(xlabel=FREQUENCY, ylabel=axes[0])
         lower.set(xlabel=FREQUENCY, ylabel=axes[1], yscale="log")
-        upper.xaxis.label.set_visible(False)
-        lower.yaxis.set_major_locator(LogLocator(numticks=5))
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=5)
+        lower.yaxis.set_major_locator(LogLocator(numticks=3))
+    layout.legend(figure, handles.values(), handles)
     return figure, [upper for upper, _ in pairs]
 
 
 def grid(count: int) -> tuple[list[tuple[Axes, Axes]], Figure]:
-    """A pair of panels a scene, the upper one higher; three pairs fill the width of a page."""
-    columns = min(3, count)
-    rows = -(-count // columns)
-    figure = Figure(figsize=(max(3.4, 2.35 * columns), 3.6 * rows + 0.6))
-    cells = figure.add_gridspec(rows, columns)
-    pairs = []
-    for place in range(count):
-        cell = cells[place // columns, place % columns]
-        pairs.append(tuple(cell.subgridspec(2, 1, height_ratios=(2, 1)).subplots(sharex=True)))
+    """A pair of panels a scene, the upper one higher."""
+    figure, axes = layout.grid(
+        2 * count,
+        least=layout.COLUMN,
+        height=0.62,
+        sharex=False,
+        gridspec_kw={"height_ratios": (2, 1) * count},
+    )
+    pairs = list(zip(axes[::2], axes[1::2]))
+    for upper, lower in pairs:
+        lower.sharex(upper)
+        upper.tick_params(labelbottom=False)
     return pairs, figure
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 import matplotlib
 from matplotlib.figure import Figure
 
+from vibrom.report.drawing import layout
 from vibrom.thesis.labels import KNOWN
 
 # Whatever the user's own style sheet says, as text set by LaTeX.
@@ -18,14 +19,14 @@ DEFAULTS = {
 }
 STYLE = DEFAULTS | {
     "font.family": "DejaVu Sans",
-    "font.size": 7.5,
-    "axes.titlesize": 7.5,
+    "font.size": layout.SIZE,
+    "axes.titlesize": layout.SIZE,
     "axes.titlelocation": "left",
     "axes.titleweight": "bold",
-    "axes.labelsize": 7.5,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7.5,
+    "axes.labelsize": layout.SIZE,
+    "xtick.labelsize": layout.SMALL,
+    "ytick.labelsize": layout.SMALL,
+    "legend.fontsize": layout.SMALL,
     "legend.frameon": False,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -40,6 +41,8 @@ STYLE = DEFAULTS | {
     "ytick.major.width": 0.7,
     "lines.linewidth": 1.1,
     "figure.constrained_layout.use": True,
+    "figure.dpi": 220,
+    "text.hinting": "no_hinting",  # or words are as wide as the pixels make them
     "svg.hashsalt": "vibrom",
     "svg.fonttype": "path",
     "savefig.facecolor": "white",
@@ -68,8 +71,6 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 # files.
 PATH, LONG = re.compile(rb' d="[^"]*"'), re.compile(rb"(\.\d\d)\d+")
 
-
-WIDEST = 7.2  # [inches] of a figure: what stands across a page has letters of their full size
 
 LOOKS = len(DASHES) * len(MARKERS)  # looks with a dash and marker of their own: 7 and 9 are coprime
 
@@ -117,7 +118,7 @@ def render(figure: Figure, form: str, digest: str = "unknown") -> bytes:
     }[form]
     content = io.BytesIO()
     with matplotlib.rc_context(STYLE):
-        figure.savefig(content, format=form, metadata=metadata, dpi=160)
+        figure.savefig(content, format=form, metadata=metadata, dpi="figure")
     return (
         PATH.sub(lambda path: LONG.sub(rb"\1", path[0]), content.getvalue())
         if form == "svg"

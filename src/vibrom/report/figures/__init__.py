@@ -9,19 +9,19 @@ from matplotlib.figure import Figure
 
 from vibrom.report import outputs
 from vibrom.report.collection import Collection
-from vibrom.report.drawing import style
+from vibrom.report.drawing import layout, style
 from vibrom.report.scores import Scores
 
 
 def make(name: str, collection: Collection, scores: Scores) -> Figure:
-    """The figure of this name, no wider than a page, laid out once for all formats."""
+    """The figure of this name, as wide as a column, laid out once for all formats."""
     plug, scene = outputs.drawing(name, collection.scenes)
     draw = import_module(f"{__name__}.{plug}").draw
     with matplotlib.rc_context(style.STYLE):
         figure = draw(collection, scores, scene)
-        width, height = figure.get_size_inches()
-        figure.set_size_inches(min(width, style.WIDEST), height)
+        layout.finish(figure)
         figure.draw_without_rendering()
+        layout.place(figure)
         figure.set_layout_engine("none")
         return figure
 

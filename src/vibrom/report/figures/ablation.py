@@ -1,7 +1,7 @@
 """Ablation: motion without each effect
 
 The decay and the last period of the forced run at the probe, of the whole scene (wide, pale) and
-without one effect (thin, dashed), with the NMTE between both decays in the title; on the right
+without one effect (thin, dashed), with the NMTE between both decays in the title; below
 the median wall time of a step without each effect, that of the whole scene on top. Effects that
 cannot be left out alone are named there with those that need them.
 """
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report.collection import FULL_ORDER, outcome, probe_name, scalar
 from vibrom.report.columns import number
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 
 FAMILY = "ablation"
 PLACE = 710
@@ -31,17 +31,18 @@ def draw(collection, scores, scene=None) -> Figure:
         left_out = [str(name) for name in study["left_out"].values if name != WHOLE]
         moving = [name for name in left_out if moves(study.sel(left_out=name))]
     rows = max(1, len(moving))
-    figure = Figure(figsize=(9.4, max(2.6, 1.45 * len(moving) + 0.6)))
-    grid = figure.add_gridspec(rows, 3, width_ratios=(2.2, 1.2, 1.5))
+    heights = [0.7] * rows + [0.3 * len(left_out) + 0.4]
+    figure = Figure(figsize=(layout.COLUMN, sum(heights)))
+    grid = figure.add_gridspec(rows + 1, 2, width_ratios=(2, 1), height_ratios=heights)
     axes = [[figure.add_subplot(grid[row, column]) for column in (0, 1)] for row in range(rows)]
-    bars = figure.add_subplot(grid[:, 2])
+    bars = figure.add_subplot(grid[rows, :])
     bars.set(xlabel="wall time of a step [µs]", ylabel="left out [effect]")
     for row in axes:
         for panel, words in zip(row, AXES):
             panel.set(xlabel=words, ylabel="probe [m]")
     if not moving:
         text = "no effect was left out" if left_out else "no ablation in this run"
-        panels.words(axes[0][0], text)
+        layout.words(axes[0][0], text)
     for row, name in zip(axes, moving):
         compare(row, study.sel(left_out=WHOLE), study.sel(left_out=name), name)
     if left_out:
@@ -79,7 +80,7 @@ def compare(row, whole, less, name: str) -> None:
     nmte = f": decay NMTE {error:.3g} %" if np.isfinite(error) else ""
     row[0].set_title(f"without {name.replace('_', ' ')}{nmte}")
     if text := panels.ending(less, "ablation"):
-        panels.words(row[int(np.isfinite(error))], text)
+        layout.words(row[int(np.isfinite(error))], text)
 
 
 def cost(panel, study) -> None:
@@ -90,7 +91,7 @@ def cost(panel, study) -> None:
     panel.barh(places, np.nan_to_num(seconds), color=colours, height=0.6)
     panel.set_yticks(places, [name.replace("_", "\n") for name in names])
     panel.invert_yaxis()
-    look = {"va": "center", "fontsize": 6.5}
+    look = {"va": "center", "fontsize": layout.SMALL}
     for place, value in zip(places, seconds):
         if np.isfinite(value):
             panel.text(value, place, f" {value:.3g}", **look)
@@ -103,5 +104,6 @@ def why(less) -> str:
     """An effect cannot be left out alone, or what is left cannot be evaluated."""
     if outcome(less) is Outcome.NEEDED:
         others = str(scalar(less, "needed_by", "another")).split()
-        return "\n ".join(["needed by", *others]).replace("_", " ")
+        words = f"needed by {', '.join(others)}".replace("_", " ")
+        return layout.fold(words, 2.0, layout.SMALL).replace("\n", "\n ")
     return outcome(less).sentence

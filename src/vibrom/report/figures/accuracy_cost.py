@@ -1,7 +1,7 @@
 """Accuracy against cost
 
 NMTE of the test decay against the seconds spent before the first prediction (training data,
-mapping, dynamics; top) and the seconds one decay takes (bottom). One marker a method: median over
+mapping, dynamics; left) and the seconds one decay takes (right). One marker a method: median over
 seeds, the line spans the seeds that have a value. Down and to the left is better. The dashed line
 is the full-order model. Methods whose median seed failed have no marker and are named in the
 panel.
@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import FRONT, Panel, Series
 from vibrom.report.scores import endings, offline
 from vibrom.studies.parts.work_precision import front
@@ -27,12 +27,12 @@ AXES = ("offline: data, mapping, dynamics [s]", "online: one decay [s]")
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    """A column a scene: offline above, online below."""
+    """A row a scene: offline on the left, online on the right."""
     scenes = collection.scenes or [""]
-    figure = Figure(figsize=(3.1 * len(scenes) + 0.4, 5.0))
-    axes = figure.subplots(2, len(scenes), squeeze=False, sharex="row", sharey=True)
+    figure, axes = layout.grid(2 * len(scenes), height=1.3, sharex="col", sharey=True)
+    pairs = list(zip(axes[::2], axes[1::2]))
     handles, looks = {}, style.looks(collection.methods)
-    for column, name in zip(axes.T, scenes):
+    for column, name in zip(pairs, scenes):
         for panel, words in zip(column, ("offline [s]", "online [s]")):
             panel.set(xscale="log", yscale="log", xlabel=words)
         column[0].set_title(name)
@@ -46,15 +46,14 @@ def draw(collection, scores, scene=None) -> Figure:
             else:
                 ended = endings(collection, scores, name, method, "decay")
                 lost.append(f"{label(method)}: {ended}")
-        mark_full_order(column[1], scores.seconds(name, FULL_ORDER)["decay_s"])
+        handles |= mark_full_order(column[1], scores.seconds(name, FULL_ORDER)["decay_s"])
         if lost:
-            panels.words(column[0], "no median:\n" + "\n".join(lost), place="above")
-    for panel in axes[:, 0]:
+            layout.words(column[0], "no median:\n" + "\n".join(lost))
+    for panel in axes:
         panel.set_ylabel("decay NMTE [%]")
-    for panel in axes.flat:
         panels.decades(panel.xaxis)
         panels.decades(panel.yaxis)
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+    layout.legend(figure, handles.values(), handles)
     return figure
 
 
@@ -63,19 +62,18 @@ def mark(panel, price: float, error, method: str, look: dict) -> dict:
     if not np.isfinite(price):
         return {}
     price = max(price, FLOOR)
-    marker = look | {"linestyle": "none", "markersize": 7, "markeredgewidth": 1.4}
+    marker = look | {"linestyle": "none", "markersize": 5, "markeredgewidth": 1.1}
     top = error.maximum if np.isfinite(error.maximum) else error.median
     panel.plot([price] * 2, [error.minimum, top], color=look["color"], linewidth=1.2, zorder=1)
     return {label(method): panel.plot(price, error.median, **marker)[0]}
 
 
-def mark_full_order(panel, price: float) -> None:
-    """A dashed line at its seconds."""
-    if np.isfinite(price):
-        price = max(price, FLOOR)
-        panel.axvline(price, color="black", linewidth=1.2, linestyle=(0, (4, 2)))
-        where = {"rotation": 90, "ha": "right", "va": "bottom", "fontsize": 7}
-        panel.text(price, 0.02, "full order ", **where, transform=panel.get_xaxis_transform())
+def mark_full_order(panel, price: float) -> dict:
+    """A dashed line at its seconds; by its label."""
+    if not np.isfinite(price):
+        return {}
+    look = {"color": "black", "linewidth": 1.2, "linestyle": (0, (4, 2))}
+    return {label(FULL_ORDER): panel.axvline(max(price, FLOOR), **look)}
 
 
 def plot(collection, scores) -> list[Panel]:

@@ -2,15 +2,15 @@
 
 Amplitude of the probe against the instantaneous angular frequency during the test decay, by peak
 finding and fitting. One seed of each method is drawn: the median one by decay NMTE. The frequency
-axis is chosen by the full order; models that lie outside it are named in the panel. Of a recorded
-decay the grey band holds each mean frequency with a confidence of 95 %.
+axis is chosen by the full order; models that lie outside it are named above the panel. Of a
+recorded decay the grey band holds each mean frequency with a confidence of 95 %.
 """
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.drawing.response import THIN, TRUTH
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
@@ -24,9 +24,7 @@ X, Y = "angular frequency [rad/s]", "probe amplitude [m]"
 
 def draw(collection, scores, scene=None) -> Figure:
     """A panel a scene."""
-    figure, axes = panels.grid(
-        max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6
-    )
+    figure, axes = layout.grid(max(1, len(collection.scenes)), least=2.4, height=1.35)
     handles, looks = {}, style.looks(collection.methods)
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel=X, ylabel=Y)
@@ -49,8 +47,8 @@ def draw(collection, scores, scene=None) -> Figure:
             if text := panels.ending(backbone, "backbone") or ("" if inside else absent(*points)):
                 notes.append(f"{label(method)}: {text}")
         if notes:
-            panels.words(panel, "\n".join(notes), place="above")
-    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+            layout.words(panel, "\n".join(notes))
+    layout.legend(figure, handles.values(), handles)
     return figure
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from vibrom.artefacts.outcome import Severity
 from vibrom.report.collection import FULL_ORDER, at_probe, outcome, scalar
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 
 FAMILY = "models"
 PLACE = 510
@@ -34,12 +34,11 @@ def first_failure(collection):
 
 def draw(collection, scores, scene=None) -> Figure:
     """One panel."""
-    figure = Figure(figsize=(6.2, 2.9))
-    axes = figure.subplots()
+    figure, (axes,) = layout.grid(1, height=1.5)
     axes.set(xlabel="time [s]", ylabel="probe displacement [m]")
     found = first_failure(collection)
     if found is None:
-        panels.words(axes, "no reduced model of this run blew up under forcing")
+        layout.words(axes, "no reduced model of this run blew up under forcing")
         return figure
     name, method, seed, run = found
     truth = collection.find(name, FULL_ORDER, "forced")
@@ -61,8 +60,8 @@ def draw(collection, scores, scene=None) -> Figure:
         f"{panels.title(method, seed)} in case {name}, forcing {float(scalar(truth, 'forcing')):g}"
     )
     count = f", after {failed_at / period:.3g} periods" if period else ""
-    panels.words(axes, panels.ending(run, "forced run") + count, place="corner")
-    axes.legend(loc="upper left")
+    layout.words(axes, panels.ending(run, "forced run") + count)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

@@ -15,16 +15,15 @@ from vibrom.report.plots import Panel
 
 FAMILY = "models"
 PLACE = 560
-EACH = "run"
+EACH = "scene"
 DATA = ("folds",)
+ASKED = "branches"  # where that is asked only
 GLANCE = True
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A panel a scene and model."""
-    figure = branches.draw(collection, scores, "branches", show)
-    branches.legend(figure)
-    return figure
+def draw(collection, scores, scene) -> Figure:
+    """A panel a model."""
+    return branches.draw(collection, scores, scene, "branches", show)
 
 
 def show(panel, collection, scene, model, seed) -> None:

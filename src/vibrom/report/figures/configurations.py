@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vibrom.report.drawing import body, panels
+from vibrom.report.drawing import body, layout
 from vibrom.report.drawing.states import states
 
 FAMILY = "models"
@@ -20,12 +20,11 @@ DATA = ("beam", "{scene}/full_order/release.nc")
 
 def draw(collection, scores, scene=None) -> Figure:
     """All states over one another."""
-    figure = Figure(figsize=(6.2, 4.1))
-    axes = figure.subplots()
+    figure, (axes,) = layout.grid(1, height=2.2)
     found = states(collection)
     axes.set(**body.labels(found[0].structure if found else None), aspect="equal")
     if not found:
-        panels.words(axes, "no release states in this run")
+        layout.words(axes, "no release states in this run")
         return figure
     largest = max(body.magnitude(state.structure, state.displacement).max() for state in found)
     rest = found[0].structure
@@ -45,16 +44,10 @@ def draw(collection, scores, scene=None) -> Figure:
         moved = body.displacement(state.structure, state.displacement)
         free_end = np.argmax(np.linalg.norm(moved, axis=1))
         place = body.view(state.structure) @ (body.rest(state.structure) + moved)[free_end]
-        axes.annotate(
-            f"{state.at('probe'):.4g} m",
-            place,
-            xytext=(4, 4),
-            textcoords="offset points",
-            fontsize=6.5,
-        )
+        layout.name(axes, f"{state.at('probe'):.4g} m", place)
     axes.autoscale_view()
     axes.margins(x=0.12, y=0.08)
-    bar = figure.colorbar(cells, ax=axes, shrink=0.8)
+    bar = figure.colorbar(cells, ax=axes, location="bottom", shrink=0.8)
     bar.set_label("size of the displacement [m]")
     return figure
 

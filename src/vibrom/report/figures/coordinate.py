@@ -22,7 +22,7 @@ from vibrom.models.samples import Samples
 from vibrom.models.training import MethodError
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import number
-from vibrom.report.drawing import body, panels, style
+from vibrom.report.drawing import body, layout, style
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
@@ -36,7 +36,7 @@ ORDERS = (1, 3, 5, 7, 9, 11)
 
 def draw(collection, scores, scene) -> Figure:
     """Three panels."""
-    figure, (coordinate, shapes, errors) = panels.grid(3, size=(3.1, 2.6), legend=0.25)
+    figure, (coordinate, shapes, errors) = layout.grid(3, least=layout.COLUMN, height=1.25)
     known = collection.mesh(scene)
     train, test = (collection.find(scene, FULL_ORDER, name) for name in ("train", "test"))
     coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
@@ -46,7 +46,7 @@ def draw(collection, scores, scene) -> Figure:
     )
     runs = [run for run in (train, test) if run is not None and finite(run)]
     if known is None or len(runs) < 2:
-        panels.words(coordinate, "no body or recorded decays in this run")
+        layout.words(coordinate, "no body or recorded decays in this run")
         return figure
     train, test = runs
     operators = structure(known)
@@ -60,7 +60,7 @@ def draw(collection, scores, scene) -> Figure:
         coordinate.plot(train["time"].values[at], z[at], "o", color=colour, markersize=4)
         for loop in body.outlines(known, train["displacement"][at].values):
             shapes.plot(*loop.T, color=colour, linewidth=0.9)
-    panels.words(coordinate, "passed twice" if pair else "passed once", place="above")
+    layout.words(coordinate, "passed twice" if pair else "passed once")
     found = by_order(*(trajectory(run, lazy=True) for run in runs), weight)
     errors.plot(*zip(*found), "o-", color="black", markersize=3, label="polynomials")
     for place, method in enumerate(collection.methods):
@@ -69,7 +69,7 @@ def draw(collection, scores, scene) -> Figure:
             look = {"color": style.COLOURS[place % len(style.COLOURS)], "linewidth": 0.9}
             dash = style.DASHES[place % len(style.DASHES)]
             errors.axhline(error, **look, linestyle=dash, label=label(method))
-    figure.legend(*errors.get_legend_handles_labels(), loc="outside lower center", ncols=6)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, described
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.drawing.cost import NOT_STUDIED
 from vibrom.report.plots import Panel, Series
 from vibrom.studies.parts.work_precision import observed_order
@@ -33,21 +33,19 @@ ERRORS = {
     "frequency": "first frequency: error [%]",
     "response": "forced amplitude: error [%]",
 }
-SMALL = {"textcoords": "offset points", "fontsize": 6}
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    """Two rows a scene: time steps above, meshes below."""
+    """Four panels a scene: of time steps, then of meshes."""
     known = cost.studied(collection, "cost_full_order")
-    figure = Figure(figsize=(7.4, 6.4 * max(1, len(known))))
-    axes = figure.subplots(2 * max(1, len(known)), 2, squeeze=False)
-    for panel in axes.flat:
+    figure, axes = layout.grid(4 * max(1, len(known)), least=layout.COLUMN, height=0.85)
+    for panel in axes:
         panel.set(xlabel="wall time of one run [s]", ylabel="error [%]", xscale="log", yscale="log")
     if not known:
-        panels.words(axes[0, 0], NOT_STUDIED)
+        layout.words(axes[0], NOT_STUDIED)
     for index, (name, dataset) in enumerate(known.items()):
         structure = collection.find(name, FULL_ORDER, "structure")
-        for question, panel in zip(ERRORS, axes[2 * index : 2 * index + 2].flat):
+        for question, panel in zip(ERRORS, axes[4 * index : 4 * index + 4]):
             panel.set(ylabel=ERRORS[question], title=name if question == "decay" else "")
             part = dataset.sel(question=question)
             if question in ("decay", "forced"):
@@ -57,7 +55,7 @@ def draw(collection, scores, scene=None) -> Figure:
                 part = part.assign(seconds=dataset["seconds"].sel(question="response"))
                 meshes(panel, part, question, described(structure, "body"))
             mark_reference(panel, float(part["reference_error"]))
-            panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=6.5, ncols=1)
+            layout.legend_below(panel)
             panels.decades(panel.xaxis)
             panels.decades(panel.yaxis)
     return figure
@@ -65,9 +63,8 @@ def draw(collection, scores, scene=None) -> Figure:
 
 def mark_reference(panel, error: float) -> None:
     """Below its own error the reference says nothing."""
-    panel.axhline(error, color="0.6", linewidth=0.8, linestyle=":")
-    where = {"xycoords": ("axes fraction", "data"), "ha": "left", "va": "bottom"}
-    panel.annotate("error of the reference itself", (0.02, error), fontsize=6, color="0.4", **where)
+    words = {"label": "error of the reference itself"}
+    panel.axhline(error, color="0.6", linewidth=0.8, linestyle=":", **words)
 
 
 def time_steps(panel, part: xr.Dataset, question: str) -> None:
@@ -92,7 +89,7 @@ def time_steps(panel, part: xr.Dataset, question: str) -> None:
             for one in (chosen.isel(setting=at) for at in range(len(indices))):
                 if np.isfinite(one["error"]):
                     steps = f"T/{int(one['steps_per_period'])}"
-                    panel.annotate(steps, points(one), xytext=(-4, -8), ha="right", **SMALL)
+                    layout.name(panel, steps, points(one))
 
 
 def points(part: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -155,7 +152,7 @@ def name_mesh(panel, one: xr.Dataset, question: str, body: dict) -> None:
     own = (str(one["element"].values), cells) == (body.get("element"), body.get("cells"))
     weight = "bold" if own else "normal"
     text += ", this scene" if own else ""
-    panel.annotate(text, points(one), xytext=(4, 4), weight=weight, **SMALL)
+    layout.name(panel, text, points(one), weight=weight)
 
 
 def plot(collection, scores) -> list[Panel]:

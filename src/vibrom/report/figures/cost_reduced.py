@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from vibrom.report import cost
 from vibrom.report.collection import FULL_ORDER, scalar
 from vibrom.report.drawing import cost as drawing
-from vibrom.report.drawing import panels
+from vibrom.report.drawing import layout
 from vibrom.report.plots import FRONT, Panel, Series
 from vibrom.studies.parts.work_precision import front
 from vibrom.thesis.labels import label
@@ -29,27 +29,26 @@ TRUTH = {"decay": "test", "forced": "forced", "frc": "frc"}  # what the full-ord
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    """Two rows a scene, a column a question."""
+    """A row a scene and question: offline on the left, online on the right."""
     found = cost.pooled(collection)
     scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
-    rows = 2 * max(1, len(scenes))
-    figure = Figure(figsize=(8.6, 2.6 * rows))
-    axes = figure.subplots(rows, 3, squeeze=False)
-    for row, line in enumerate(axes):
-        for panel, words in zip(line, drawing.ERRORS.values()):
-            panel.set(ylabel=words, xlabel=AXES[row % 2], xscale="log", yscale="log")
-    if not scenes:
-        panels.words(axes[0, 0], drawing.NOT_STUDIED)
+    rows = [(scene, question) for scene in scenes or [""] for question in drawing.ERRORS]
+    figure, axes = layout.grid(2 * len(rows), height=1.3, sharey="row")
     handles: dict = {}
-    for name, above, below in zip(scenes, axes[::2], axes[1::2]):
-        mine = [one for one in found if one.scene == name]
-        above[0].set_title(name)
-        for question, offline, online in zip(drawing.ERRORS, above, below):
-            handles |= points(offline, mine, "offline", question, looks)
-            handles |= points(online, mine, question, question, looks)
-            drawing.name_silent(offline, mine, question)
-            truth = collection.find(name, FULL_ORDER, TRUTH[question])
-            mark(online, float(scalar(truth, "seconds")))
+    for (scene, question), offline, online in zip(rows, axes[::2], axes[1::2]):
+        for panel, axis in zip((offline, online), AXES):
+            words = {"ylabel": drawing.ERRORS[question], "xlabel": axis}
+            panel.set(xscale="log", yscale="log", **words)
+        if not scenes:
+            layout.words(offline, drawing.NOT_STUDIED)
+            continue
+        mine = [one for one in found if one.scene == scene]
+        offline.set_title(f"{scene}, {drawing.ERRORS[question].partition(':')[0]}")
+        handles |= points(offline, mine, "offline", question, looks)
+        handles |= points(online, mine, question, question, looks)
+        drawing.name_silent(offline, mine, question)
+        truth = collection.find(scene, FULL_ORDER, TRUTH[question])
+        handles |= mark(online, float(scalar(truth, "seconds")))
     drawing.finish(figure, handles, looks)
     return figure
 
@@ -62,10 +61,10 @@ def points(panel, found: list[cost.Pooled], price: str, question: str, looks: di
     for method, group in cost.of_methods(found).items():
         look = looks[method] | {"linestyle": "none"}
         varied = drawing.known(group, price, question, configured=False)
-        panel.plot(*varied, **look | {"markersize": 3.2, "markeredgewidth": 0.7})
+        panel.plot(*varied, **look | {"markersize": 2.6, "markeredgewidth": 0.6})
         usual = drawing.known(group, price, question, configured=True)
         if usual.size:
-            large = look | {"markersize": 7, "markeredgewidth": 1.5}
+            large = look | {"markersize": 5.5, "markeredgewidth": 1.2}
             handles[label(method)] = panel.plot(*usual, **large)[0]
     seconds = np.array([drawing.cost(one, price) for one in found])
     errors = np.array([one.error[question] for one in found])
@@ -76,12 +75,12 @@ def points(panel, found: list[cost.Pooled], price: str, question: str, looks: di
     return handles
 
 
-def mark(panel, full: float) -> None:
-    """The seconds of the full order, dashed."""
-    if np.isfinite(full):
-        panel.axvline(full, color="black", linewidth=1.1, linestyle=(0, (4, 2)))
-        where = {"rotation": 90, "ha": "right", "va": "top", "fontsize": 6.5}
-        panel.text(full, 0.98, "full order ", **where, transform=panel.get_xaxis_transform())
+def mark(panel, full: float) -> dict:
+    """The seconds of the full order, dashed; by its label."""
+    if not np.isfinite(full):
+        return {}
+    look = {"color": "black", "linewidth": 1.1, "linestyle": (0, (4, 2))}
+    return {label(FULL_ORDER): panel.axvline(full, **look)}
 
 
 def plot(collection, scores) -> list[Panel]:

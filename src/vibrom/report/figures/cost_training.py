@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report import cost
 from vibrom.report.drawing import cost as drawing
-from vibrom.report.drawing import panels
+from vibrom.report.drawing import layout
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
@@ -23,21 +23,20 @@ EPOCHS = ("epochs", "start.epochs")
 
 
 def draw(collection, scores, scene=None) -> Figure:
-    """A row a scene, a column a question."""
+    """A panel a scene and question."""
     found = cost.pooled(collection)
     scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
-    rows = max(1, len(scenes))
-    figure = Figure(figsize=(8.6, 2.9 * rows + 0.4))
-    axes = figure.subplots(rows, 3, squeeze=False)
-    for panel, words in zip(axes.flat, [*drawing.ERRORS.values()] * rows):
+    rows, count = max(1, len(scenes)), len(drawing.ERRORS)
+    figure, axes = layout.grid(count * rows, least=layout.COLUMN, height=1.5)
+    for panel, words in zip(axes, [*drawing.ERRORS.values()] * rows):
         panel.set(xlabel="fit: mapping and dynamics [s]", ylabel=words, xscale="log", yscale="log")
     if not scenes:
-        panels.words(axes[0, 0], drawing.NOT_STUDIED)
+        layout.words(axes[0], drawing.NOT_STUDIED)
     handles: dict = {}
-    for name, row in zip(scenes, axes):
-        row[0].set_title(name)
+    for place, name in enumerate(scenes):
         mine = [one for one in found if one.scene == name]
-        for panel, question in zip(row, drawing.ERRORS):
+        for panel, question in zip(axes[count * place :], drawing.ERRORS):
+            panel.set_title(f"{name}, {drawing.ERRORS[question].partition(':')[0]}")
             for method, group in cost.of_methods(mine).items():
                 handles |= lines(panel, group, question, looks[method])
             drawing.name_silent(panel, mine, question)
@@ -52,7 +51,7 @@ def lines(panel, found: list[cost.Pooled], question: str, look: dict) -> dict:
     handles = {}
     usual = drawing.known(found, "fit", question, configured=True)
     if usual.size:
-        large = look | {"linestyle": "none", "markersize": 7, "markeredgewidth": 1.5}
+        large = look | {"linestyle": "none", "markersize": 5.5, "markeredgewidth": 1.2}
         handles[label(found[0].method)] = panel.plot(*usual, **large)[0]
     trained = [one for one in found if one.varied in EPOCHS]
     chosen = trained or [one for one in found if one.varied.startswith("order")]
@@ -60,11 +59,10 @@ def lines(panel, found: list[cost.Pooled], question: str, look: dict) -> dict:
     if np.isfinite(errors).any():
         seconds = [one.fit for one in chosen]
         handles[label(found[0].method)] = panel.plot(seconds, errors, **look)[0]
-    small = {"textcoords": "offset points", "xytext": (3, 3), "fontsize": 5.5, "color": "0.35"}
     for one, error in zip(chosen, errors):
         if np.isfinite(error):
             words = one.set_to if trained else f"p = {one.set_to}"
-            panel.annotate(words, (one.fit, error), **small)
+            layout.name(panel, words, (one.fit, error), color="0.35")
     return handles
 
 

@@ -12,63 +12,47 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, scalar
 from vibrom.report.columns import number
-from vibrom.report.drawing import body, panels
+from vibrom.report.drawing import body, layout, panels
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
 PLACE = 500
-EACH = "run"
+EACH = "scene"
 DATA = ("forced",)
 
-WIDTH = 2.3  # [inches] of a panel
+LEAST, WIDTH = 1.15, 0.72  # [inches] of a panel with its labels, and without
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A block a scene, a panel a method."""
-    scenes, methods = collection.scenes or [""], collection.methods or [""]
-    across = min(4, len(methods))
-    blocks = [Block(collection, scores, name, methods) for name in scenes]
-    heights = [-(-len(methods) // across) * block.panel_height + 0.45 for block in blocks]
-    figure = Figure(figsize=(WIDTH * across, sum(heights)))
-    for block, part in zip(
-        blocks, figure.subfigures(len(scenes), 1, squeeze=False, height_ratios=heights)[:, 0]
-    ):
-        axes = part.subplots(
-            -(-len(methods) // across), across, squeeze=False, sharex=True, sharey=True
-        ).ravel()
-        part.suptitle(block.heading, fontsize=8, x=0.01, ha="left", style="italic")
-        for panel, method, (seed, run) in zip(axes, methods, block.runs):
-            panel.set(
-                **body.labels(block.structure),
-                aspect="equal",
-                xlim=block.limits[0],
-                ylim=block.limits[1],
-            )
-            panel.set_title(panels.title(method, seed))
-            block.shapes(panel, run)
-            if text := panels.ending(run, "forced run"):
-                panels.words(
-                    panel, text.replace(" at ", "\nat ").replace(" (", "\n("), place="above"
-                )
-        for spare in axes[len(methods) :]:
-            spare.remove()
+def draw(collection, scores, scene) -> Figure:
+    """A panel a method."""
+    block = Block(collection, scores, scene, collection.methods)
+    figure, axes = layout.grid(
+        max(1, len(block.runs)), least=LEAST, height=block.height, sharex=True, sharey=True
+    )
+    layout.heading(figure, block.heading)
+    for panel in axes:
+        xlim, ylim = block.limits
+        panel.set(**body.labels(block.structure), aspect="equal", xlim=xlim, ylim=ylim)
+        panel.tick_params(labelbottom=True)
+    for panel, method, (seed, run) in zip(axes, collection.methods, block.runs):
+        panel.set_title(panels.title(method, seed))
+        block.shapes(panel, run)
+        if text := panels.ending(run, "forced run"):
+            layout.words(panel, text)
     return figure
 
 
-def seen(collection, scores, scene=None) -> str:
+def seen(collection, scores, scene) -> str:
     """How far each model's shape lies from the full order's."""
     parts = []
-    for name in collection.scenes:
-        block = Block(collection, scores, name, collection.methods)
-        for method, (_, run) in zip(collection.methods, block.runs):
-            if text := panels.ending(run, "forced run"):
-                parts.append(f"{name}, {label(method)}: {text}.")
-            elif block.truth is not None:
-                off = np.linalg.norm(run["final_shape"].values - block.truth)
-                percent = 100.0 * off / np.linalg.norm(block.truth)
-                parts.append(
-                    f"{name}, {label(method)}: {number(percent, 2)} % from the full order."
-                )
+    block = Block(collection, scores, scene, collection.methods)
+    for method, (_, run) in zip(collection.methods, block.runs):
+        if text := panels.ending(run, "forced run"):
+            parts.append(f"{label(method)}: {text}.")
+        elif block.truth is not None:
+            off = np.linalg.norm(run["final_shape"].values - block.truth)
+            percent = 100.0 * off / np.linalg.norm(block.truth)
+            parts.append(f"{label(method)}: {number(percent, 2)} % from the full order.")
     return " ".join(parts)
 
 
@@ -118,10 +102,10 @@ class Block:
             )
 
     @property
-    def panel_height(self) -> float:
-        """[inches], by the aspect of the limits."""
+    def height(self) -> float:
+        """[inches] of a panel, by the aspect of the limits."""
         (left, right), (bottom, top) = self.limits
-        return min(3.5, (WIDTH - 0.55) * (top - bottom) / (right - left) + 0.62)
+        return min(1.3, max(0.3, WIDTH * (top - bottom) / (right - left)))
 
     def shapes(self, panel, run) -> None:
         """The full order filled, the model as an outline; a model that failed leaves the full order

@@ -6,13 +6,11 @@ and pale, reduced model thin and dashed, NMTE of the last period in the title. O
 named in the title: the median one by decay NMTE. The thesis shows the case large.
 """
 
-import math
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe, scalar
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
@@ -20,37 +18,30 @@ FAMILY = "models"
 PLACE = 490
 EACH = "scene"
 DATA = ("forced",)
+HEIGHT = 0.33  # [inches] of a panel
 
 
 def draw(collection, scores, scene) -> Figure:
     """Two panels a method: the whole run and its last period."""
     methods = collection.methods
-    columns, rows = min(2, max(1, len(methods))), max(1, math.ceil(len(methods) / 2))
-    figure = Figure(figsize=(columns * 4.6, rows * 1.75 + 0.5))
-    cells = figure.add_gridspec(rows, columns)
+    rows = max(1, len(methods))
+    figure = Figure(figsize=(layout.COLUMN, HEIGHT * rows))
+    axes = figure.subplots(
+        rows, 2, squeeze=False, sharex="col", sharey="row", width_ratios=(2.2, 1)
+    )
     truth = collection.find(scene, FULL_ORDER, "forced")
     forcing = float(scalar(truth, "forcing"))
     heading = f"{scene}, forcing {forcing:g}" if np.isfinite(forcing) else scene
-    figure.suptitle(heading, fontsize=8, x=0.01, ha="left", style="italic")
-    handles = ([], [])
-    for place, method in enumerate(methods or [""]):
-        cell = cells[place // columns, place % columns].subgridspec(1, 2, width_ratios=(2.2, 1))
-        whole, last = cell.subplots(sharey=True)
+    layout.heading(figure, heading)
+    for (whole, last), method in zip(axes, methods or [""]):
         seed, run = panels.drawn(collection, scores, scene, method, "forced")
-        whole.set(
-            title=panels.title(
-                method, seed, scores.value(scene, method, seed, "forced", "nmte_percent")
-            ),
-            xlabel="time [s]",
-            ylabel="probe [m]",
-        )
+        error = scores.value(scene, method, seed, "forced", "nmte_percent")
+        ended = panels.ending(run, "forced run")
+        title = panels.title(method, seed, error) + (f": {ended}" if ended else "")
+        whole.set(title=title, xlabel="time [s]", ylabel="probe [m]")
         last.set(xlabel="last period [s]", ylabel="probe [m]")
-        last.yaxis.label.set_visible(False)
         compare(whole, last, truth, run)
-        if text := panels.ending(run, "forced run"):
-            panels.words(whole, text, place="above")
-        handles = whole.get_legend_handles_labels() if len(whole.lines) > 0 else handles
-    figure.legend(*handles, loc="outside lower center", ncols=2)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

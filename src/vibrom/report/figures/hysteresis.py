@@ -13,31 +13,30 @@ from matplotlib.figure import Figure
 
 from vibrom.report.branches import curve, scenes
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
-from vibrom.report.drawing import branches, panels
+from vibrom.report.drawing import branches, layout, panels
 from vibrom.report.plots import Panel, Series
 
 FAMILY = "models"
 PLACE = 565
-EACH = "run"
+EACH = "scene"
 DATA = ("folds",)
+ASKED = "sweeps"  # where that is asked only
 LOOKS = {
     "up": {"marker": "^", "color": "#0072b2"},
     "down": {"marker": "v", "color": "#d55e00"},
 }
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A panel a scene and model, the full order first."""
-    figure = branches.draw(collection, scores, "sweeps", show, full_order=True)
-    branches.legend(figure)
-    return figure
+def draw(collection, scores, scene) -> Figure:
+    """A panel a model, the full order first."""
+    return branches.draw(collection, scores, scene, "sweeps", show, full_order=True)
 
 
 def show(panel, collection, scene, model, seed) -> None:
     """Both directions."""
     swept = collection.find(scene, model, "sweeps", seed)
     if not answered(swept):
-        panels.words(panel, panels.ending(swept, "sweeps"))
+        layout.words(panel, panels.ending(swept, "sweeps"))
         return
     frequency, amplitude = swept["angular_frequency"].values, at_probe(swept, "amplitude")
     for direction, values in zip(swept["direction"].values, amplitude):
@@ -53,7 +52,7 @@ def show(panel, collection, scene, model, seed) -> None:
         )
     inside = np.isfinite(amplitude).any()
     if not inside:
-        panels.words(panel, "no motion lasted")
+        layout.words(panel, "no motion lasted")
     panel.set_xlim(frequency.min(), frequency.max())
 
 

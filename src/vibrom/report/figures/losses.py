@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
@@ -33,7 +33,7 @@ def draw(collection, scores, scene) -> Figure:
             without.append(label(method))
         else:
             histories.append((method, seed, losses))
-    figure, axes = panels.grid(max(1, len(histories)), columns=2, size=(4.1, 2.2), legend=0.7)
+    figure, axes = layout.grid(max(1, len(histories)), height=1.1)
     terms = list(dict.fromkeys(term for _, _, losses in histories for term in names(losses)))
     handles: dict[str, Line2D] = {}
     for panel, (method, seed, losses) in zip(axes, histories):
@@ -42,15 +42,15 @@ def draw(collection, scores, scene) -> Figure:
     for panel in axes:
         panel.set(xlabel="epoch [–]", ylabel="loss [–]")
     if not histories:
-        panels.words(axes[0], "no method of this run has a loss history")
+        layout.words(axes[0], "no method of this run has a loss history")
     note = (
         f"{scene}. No loss history, nothing is trained by epochs: {', '.join(without)}."
         if without
         else scene
     )
-    figure.suptitle(note, fontsize=7.5, x=0.01, ha="left", style="italic")
+    layout.heading(figure, note)
     order = sorted(handles, key=lambda name: (not name.startswith("total"), name))
-    figure.legend([handles[name] for name in order], order, loc="outside lower center", ncols=4)
+    layout.legend(figure, [handles[name] for name in order], order)
     return figure
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import answered
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.thesis.labels import label
 
 FAMILY = "models"
@@ -25,7 +25,7 @@ NEAR = 0.05  # of the recording, on each side of its largest displacement
 
 def draw(collection, scores, scene) -> Figure:
     """A column for the whole, one for a part."""
-    figure, axes = panels.grid(4, columns=2, size=(4.4, 2.0), legend=0.6)
+    figure, axes = layout.grid(4)
     for column in range(2):
         axes[column].set(title=scene, xlabel="time [s]", ylabel="signal")
         axes[2 + column].set(xlabel="time [s]", ylabel="displacement [m]")
@@ -47,10 +47,9 @@ def draw(collection, scores, scene) -> Figure:
             axes[2 + column].plot(time[part], found[part], **look | LINE, label=name)
         shown = True
     if not shown:
-        panels.words(axes[0], "no model answered")
+        layout.words(axes[0], "no model answered")
         return figure
-    handles = axes[2].get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=3)
+    layout.legend(figure, *axes[2].get_legend_handles_labels())
     return figure
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.drawing.response import THIN
 from vibrom.thesis.labels import label
 
@@ -24,11 +24,11 @@ RECORDED = True  # of recorded scenes only
 
 def draw(collection, scores, scene) -> Figure:
     """One panel."""
-    figure, (panel,) = panels.grid(1, size=(6.0, 3.6), legend=0.6)
+    figure, (panel,) = layout.grid(1, height=2.0)
     panel.set(title=scene, xlabel="angular frequency [rad/s]", ylabel="amplitude [m]")
     known = collection.find(scene, FULL_ORDER, "structure")
     if known is None or "response_frequency" not in known:
-        panels.words(panel, "no response was measured")
+        layout.words(panel, "no response was measured")
         return figure
     frequency, amplitude = (known[f"response_{what}"].values for what in ("frequency", "amplitude"))
     panel.plot(frequency, amplitude, "o", color="black", markersize=3.5, label="measured")
@@ -43,7 +43,7 @@ def draw(collection, scores, scene) -> Figure:
             name = f"{label(method)} ({error:.2g} %)"
             panel.plot(frequency, answer["half_range"].values, **look | THIN, label=name)
     panels.breathe(panel, amplitude)
-    figure.legend(*panel.get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

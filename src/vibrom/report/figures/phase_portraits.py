@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import answered
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
 
@@ -23,19 +23,16 @@ DATA = ("decay",)
 
 def draw(collection, scores, scene) -> Figure:
     """A panel a method."""
-    figure, axes = panels.grid(
-        max(1, len(collection.methods)), columns=3, size=(2.7, 2.5), legend=0.45
-    )
-    figure.suptitle(scene, fontsize=8, x=0.01, ha="left", style="italic")
+    figure, axes = layout.grid(max(1, len(collection.methods)))
+    layout.heading(figure, scene)
     for panel, method in zip(axes, collection.methods):
         seed, decay = panels.drawn(collection, scores, scene, method, "decay")
         panel.set(title=panels.title(method, seed), xlabel="$z$ [–]", ylabel=r"$\dot z$ [1/s]")
         if answered(decay):
             portrait(panel, decay)
         if text := panels.ending(decay, "decay"):
-            panels.words(panel, text, place="below")
-    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
-    figure.legend(*handles, loc="outside lower center", ncols=2)
+            layout.words(panel, text)
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from vibrom.report.drawing import body, panels
+from vibrom.report.drawing import body, layout
 from vibrom.report.drawing.states import states
 
 FAMILY = "models"
@@ -22,14 +22,12 @@ DATA = ("{scene}/full_order/release.nc",)
 def draw(collection, scores, scene=None) -> Figure:
     """A panel a state."""
     found = states(collection)
-    figure, axes = panels.grid(
-        max(1, len(found)), columns=3, size=(3.0, 2.5), sharex=True, sharey=True
-    )
+    figure, axes = layout.grid(max(1, len(found)), height=0.75, sharex=True, sharey=True)
     for panel in axes:
         panel.set(**body.labels(found[0].structure if found else None), aspect="equal")
         panel.tick_params(labelbottom=True, labelleft=True)
     if not found:
-        panels.words(axes[0], "no release states in this run")
+        layout.words(axes[0], "no release states in this run")
     for panel, state in zip(axes, found):
         for loop in body.outlines(state.structure, np.zeros(state.structure.sizes["dof"])):
             panel.plot(*loop.T, color="0.5", linewidth=0.7, linestyle=(0, (4, 2)))
@@ -37,8 +35,8 @@ def draw(collection, scores, scene=None) -> Figure:
         panel.add_collection(
             PolyCollection(cells, facecolor="0.55", edgecolor="black", linewidth=0.15)
         )
-        panel.set_title(f"probe {state.at('probe'):.4f} m, tip {state.at('tip'):.4f} m")
-        panels.words(panel, "\n".join(state.used), place="above")
+        panel.set_title(f"probe {state.at('probe'):.4f} m\ntip {state.at('tip'):.4f} m")
+        layout.words(panel, ", ".join(state.used))
         panel.autoscale_view()
     return figure
 

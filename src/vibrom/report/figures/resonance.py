@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report.branches import scenes
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.drawing.response import THIN, TRUTH
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
@@ -27,7 +27,7 @@ X, Y, Z = "angular frequency [rad/s]", "probe amplitude [m]", "damping ratio [â€
 def draw(collection, scores, scene=None) -> Figure:
     """Two panels a scene."""
     shown = scenes(collection, "resonance")
-    figure, axes = panels.grid(max(1, 2 * len(shown)), columns=2, size=(3.4, 2.8), legend=0.6)
+    figure, axes = layout.grid(max(1, 2 * len(shown)), least=layout.COLUMN, height=1.5)
     handles, looks = {}, style.looks(collection.methods)
     for name, left, right in zip(shown, axes[::2], axes[1::2]):
         left.set(title=name, xlabel=X, ylabel=Y)
@@ -44,9 +44,9 @@ def draw(collection, scores, scene=None) -> Figure:
             sides = view(*points)
             panel.set(xlim=sides.get("x"), ylim=sides.get("y"))
     if not shown:
-        panels.words(axes[0], "no resonance in this run")
+        layout.words(axes[0], "no resonance in this run")
     if handles:
-        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+        layout.legend(figure, handles.values(), handles)
     return figure
 
 

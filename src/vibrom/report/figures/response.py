@@ -9,7 +9,7 @@ NMTE. The vertical axis is chosen by the full order.
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
-from vibrom.report.drawing import motions, panels
+from vibrom.report.drawing import layout, motions, panels
 from vibrom.report.plots import Panel, Series
 
 FAMILY = "models"
@@ -23,9 +23,9 @@ def draw(collection, scores, scene) -> Figure:
     """A panel a method."""
     if collection.find(scene, FULL_ORDER, "response") is not None:
         return motions.draw(collection, scores, scene, "response")
-    figure, (panel,) = panels.grid(1)
+    figure, (panel,) = layout.grid(1)
     panel.set(title=scene, xlabel="time [s]", ylabel="probe [m]")
-    panels.words(panel, "no load of this scene has a signal")
+    layout.words(panel, "no load of this scene has a signal")
     return figure
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report import robustness
 from vibrom.report.columns import number
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.thesis.labels import label
 
 FAMILY = "robustness"
@@ -26,7 +26,7 @@ def draw(collection, scores, scene) -> Figure:
         for method in collection.methods
     }
     found = {method: drawn for method, drawn in found.items() if drawn[1] is not None}
-    figure, axes = panels.grid(max(1, len(found)), columns=3, size=(3.0, 2.2), legend=0.4)
+    figure, axes = layout.grid(max(1, len(found)), height=0.85)
     handles: dict = {}
     for panel, (method, (seed, answer)) in zip(axes, found.items()):
         for place, guard in enumerate(answer["guard"].values):
@@ -36,10 +36,9 @@ def draw(collection, scores, scene) -> Figure:
     for panel in axes:
         panel.set(xlabel="time after release [periods]", ylabel="energy [J]")
     if handles:
-        words = list(handles)
-        figure.legend(list(handles.values()), words, loc="outside lower center", ncols=len(words))
+        layout.legend(figure, handles.values(), handles)
     else:
-        panels.words(axes[0], "no robustness tests in this run")
+        layout.words(axes[0], "no robustness tests in this run")
     return figure
 
 
@@ -68,5 +67,5 @@ def decays(panel, answer, place: int):
     gone = int((~np.isfinite(energy[:, -1])).sum())
     if gone and robustness.evaluated(answer):
         text = f"{answer['guard'].item()}: {gone} of {len(energy)} decays failed"
-        panels.words(panel, text, place="above" if place == 0 else "below")
+        layout.words(panel, text)
     return line

@@ -2,7 +2,8 @@
 
 Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the
 scene's) and frequency (times the damped first frequency) of that place. A dot: most seeds left
-their training range and went all the way. A row a method, a column a guard; first integrator.
+their training range and went all the way. A row a method, a column a guard; first integrator. Above each map stands how many of its
+runs failed; a dash: the model has no such guard.
 """
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from vibrom.artefacts.outcome import Outcome
 from vibrom.report import robustness
-from vibrom.report.drawing import panels
+from vibrom.report.drawing import layout
 from vibrom.studies.parts.grid import KINDS
 from vibrom.thesis.labels import label
 
@@ -18,7 +19,6 @@ FAMILY = "robustness"
 PLACE = 810
 EACH = "scene"
 DATA = ("robustness",)
-SMALL = 6
 
 
 def draw(collection, scores, scene) -> Figure:
@@ -26,27 +26,23 @@ def draw(collection, scores, scene) -> Figure:
     groups = [
         group for group in robustness.groups(collection) if group.scene == scene and group.first
     ]
-    guards, methods = (
-        list(dict.fromkeys(getattr(group, name) for group in groups))
-        for name in ("guard", "method")
-    )
-    figure, axes = panels.grid(
+    guards = list(dict.fromkeys(group.guard for group in groups))
+    figure, axes = layout.grid(
         max(1, len(groups)),
-        columns=max(1, len(guards)),
-        size=(2.5, 1.35),
-        legend=0.5,
+        least=layout.COLUMN / max(1, len(guards)),
+        height=0.25,
         sharex=True,
         sharey=True,
     )
     image = None
     for panel, group in zip(axes, groups):
+        panel.set(xlabel="frequency\u00a0[–]", ylabel="forcing [–]")
+        panel.set_title(label(group.method) if group.guard == guards[0] else "")
+        if panel in axes[: len(guards)]:
+            layout.words(panel, group.guard.replace("_", " "))
         image = failures(panel, group) or image
-        panel.set_ylabel("forcing [of the scene's]", fontsize=SMALL)
-        panel.set_xlabel("frequency [of the first]", fontsize=SMALL)
-        panel.yaxis.label.set_visible(group.guard == guards[0])
-        panel.xaxis.label.set_visible(group.method == methods[-1])
     if image is None:
-        panels.words(axes[0], "no robustness tests in this run")
+        layout.words(axes[0], "no robustness tests in this run")
     else:
         words = "part of the seeds that failed"
         figure.colorbar(image, ax=axes, location="bottom", shrink=0.4, aspect=40, label=words)
@@ -67,12 +63,10 @@ def seen(collection, scores, scene) -> str:
 
 def failures(panel, group: robustness.Group):
     """The image, where there was a model to evaluate."""
-    name = f"{label(group.method)}, {group.guard}"
     runs = [answer.isel(run=answer["kind"].values == KINDS[0]) for answer in group.answers]
     good = [run for run in runs if robustness.evaluated(run)]
     if not good:
-        panel.set_title(name, fontsize=SMALL)
-        panels.words(panel, robustness.endings(runs)[0].sentence)
+        layout.words(panel, "–")
         return None
     frequency, forcing = (np.unique(good[0][axis].values) for axis in ("frequency", "forcing"))
     # (seed, forcing, frequency): the runs are in the order of the grid
@@ -87,6 +81,6 @@ def failures(panel, group: robustness.Group):
     panel.grid(False)
     ticks = np.linspace(0, len(frequency) - 1, min(4, len(frequency))).astype(int)
     panel.set_xticks(ticks, [f"{frequency[tick]:.3g}" for tick in ticks])
-    panel.set_yticks(range(len(forcing)), [f"{level:g}" for level in forcing])
-    panel.set_title(f"{name}: {lost.sum()} of {lost.size} failed", fontsize=SMALL)
+    panel.set_yticks([0, len(forcing) - 1], [f"{level:g}" for level in forcing[[0, -1]]])
+    layout.words(panel, f"{lost.sum()}\u00a0of\u00a0{lost.size}")
     return image

@@ -15,15 +15,14 @@ from vibrom.report.plots import Panel
 
 FAMILY = "models"
 PLACE = 562
-EACH = "run"
+EACH = "scene"
 DATA = ("s_curve",)
+ASKED = "s_curve"  # where that is asked only
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A panel a scene and model."""
-    figure = branches.draw(collection, scores, "s_curve", show, whole="s_curve")
-    branches.legend(figure)
-    return figure
+def draw(collection, scores, scene) -> Figure:
+    """A panel a model."""
+    return branches.draw(collection, scores, scene, "s_curve", show, whole="s_curve")
 
 
 def show(panel, collection, scene, model, seed) -> None:

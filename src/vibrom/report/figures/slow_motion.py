@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, style
 
 FAMILY = "models"
 PLACE = 436
@@ -26,14 +26,14 @@ ROLES = ("train", "test")
 
 def draw(collection, scores, scene) -> Figure:
     """A column a role."""
-    figure, axes = panels.grid(4, columns=2, size=(3.6, 2.2))
+    figure, axes = layout.grid(4)
     for column, role in enumerate(ROLES):
         record = collection.find(scene, FULL_ORDER, role)
         above, below = axes[column], axes[2 + column]
         above.set(title=f"{scene}, {role}", xlabel="time [s]", ylabel="displacement [m]")
         below.set(xlabel="time [s]", ylabel="share of fast motion [1]", yscale="log")
         if record is None or "fast_share" not in record:
-            panels.words(above, "no recording in this run")
+            layout.words(above, "no recording in this run")
             continue
         above.plot(record["time"], record["probe_displacement"][0], color="0.4", linewidth=0.5)
         for number in range(record.sizes["recording"]):
@@ -43,7 +43,7 @@ def draw(collection, scores, scene) -> Figure:
             below.plot(instant, one["fast_share"].values[known], color=colour, linewidth=0.9)
             below.axhline(float(one["fast_limit"]), color=colour, linewidth=0.7, linestyle="--")
             below.axvline(float(one["slow_begin"]), color=colour, linewidth=0.7)
-        panels.words(below, "\n".join(notes(record)), place="corner")
+        layout.words(below, "\n".join(notes(record)))
     return figure
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report.branches import scenes
 from vibrom.report.collection import FULL_ORDER, answered, at_probe
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, panels, style
 from vibrom.report.drawing.response import THIN, TRUTH
 from vibrom.report.plots import Panel, Series
 from vibrom.thesis.labels import label
@@ -24,7 +24,7 @@ X, Y = "angular frequency [rad/s]", "spectral density [m² s/rad]"
 def draw(collection, scores, scene=None) -> Figure:
     """A panel a scene."""
     shown = scenes(collection, "random_forcing")
-    figure, axes = panels.grid(max(1, len(shown)), columns=2, size=(3.6, 2.8), legend=0.6)
+    figure, axes = layout.grid(max(1, len(shown)), least=2.4, height=1.6)
     handles = {}
     for panel in axes:
         panel.set(xlabel=X, ylabel=Y)
@@ -35,9 +35,9 @@ def draw(collection, scores, scene=None) -> Figure:
             look = TRUTH if model == FULL_ORDER else looks[model] | THIN | {"marker": ""}
             handles[label(model)] = panel.plot(*line(answer), **look)[0]
     if not shown:
-        panels.words(axes[0], "no random forcing in this run")
+        layout.words(axes[0], "no random forcing in this run")
     if handles:
-        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+        layout.legend(figure, handles.values(), handles)
     return figure
 
 

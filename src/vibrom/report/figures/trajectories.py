@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from vibrom.report.collection import FULL_ORDER, at_probe
 from vibrom.report.columns import number
-from vibrom.report.drawing import panels
+from vibrom.report.drawing import layout, panels
 
 FAMILY = "models"
 PLACE = 440
@@ -24,9 +24,7 @@ LINES = {
 
 def draw(collection, scores, scene=None) -> Figure:
     """A panel a scene."""
-    figure, axes = panels.grid(
-        max(1, len(collection.scenes)), columns=3, size=(3.1, 2.3), legend=0.25
-    )
+    figure, axes = layout.grid(max(1, len(collection.scenes)), least=2.4)
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel="time [s]", ylabel="probe displacement [m]")
         notes = []
@@ -42,9 +40,8 @@ def draw(collection, scores, scene=None) -> Figure:
             if text := panels.ending(run, f"{role} run"):
                 notes.append(f"{role}: {text}" if run is not None else text)
         if notes:
-            panels.words(panel, "\n".join(notes))
-    handles = next((panel.get_legend_handles_labels() for panel in axes if panel.lines), ([], []))
-    figure.legend(*handles, loc="outside lower center", ncols=2)
+            layout.words(panel, "\n".join(notes))
+    layout.legend(figure, *layout.of_panels(figure))
     return figure
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.report.collection import FULL_ORDER
 from vibrom.report.columns import number
-from vibrom.report.drawing import panels, style
+from vibrom.report.drawing import layout, style
 from vibrom.thesis.labels import label
 
 FAMILY = "trust"
@@ -22,15 +22,13 @@ DATA = ("trust",)
 
 def draw(collection, scores, scene=None) -> Figure:
     """A panel a scene."""
-    figure, axes = panels.grid(
-        max(1, len(collection.scenes)), columns=3, size=(3.3, 3.3), legend=0.6
-    )
+    figure, axes = layout.grid(max(1, len(collection.scenes)), least=2.4, height=1.4)
     handles: dict = {}
     for panel, name in zip(axes, collection.scenes):
         panel.set(title=name, xlabel="largest displacement [m]", ylabel="error [%]", yscale="log")
         study = collection.find(name, FULL_ORDER, "trust")
         if study is None:
-            panels.words(panel, "not part of this run")
+            layout.words(panel, "not part of this run")
             continue
         methods = list(dict.fromkeys(study["model"].values.tolist()))
         for method, look in style.looks(methods).items():
@@ -42,7 +40,7 @@ def draw(collection, scores, scene=None) -> Figure:
                 handles[label(method)] = panel.plot(*points, **look | {"linewidth": 0.9})[0]
         panel.axhline(100 * study.attrs["tolerance"], color="0.3", linewidth=0.9, linestyle="--")
     if handles:
-        figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=4)
+        layout.legend(figure, handles.values(), handles)
     return figure
 
 
