@@ -37,7 +37,7 @@ def words(figure) -> str:
     written = [text.get_text() for axes in figure.axes for text in axes.texts]
     inside = [" ".join(text.split()) for text in written]  # as on one line
     titles = [" ".join(axes.get_title(loc="left").split()) for axes in figure.axes]
-    return "\n".join([*inside, *titles, *(part.get_suptitle() for part in parts)])
+    return "\n".join([*inside, *titles, *(" ".join(part.get_suptitle().split()) for part in parts)])
 
 
 def test_failures_are_in_words_in_their_panel(drawn):
@@ -70,7 +70,7 @@ def test_a_model_that_could_not_be_fitted_says_why(collection, scores, name, oth
 
 def test_effects_that_cannot_be_left_out_say_who_needs_them(drawn):
     text = words(drawn("ablation_small"))
-    assert "needed by modal load inertia" in text and "did not converge" in text
+    assert "needed by modal load, inertia" in text and "did not converge" in text
     assert "without damping: decay NMTE 16 %" in text
     # Decay, forced run and seconds: of the others there is nothing to draw.
     assert len(drawn("ablation_small").axes) == 3

@@ -49,7 +49,7 @@ def test_an_effect_has_its_error_or_the_reason():
     key = Key("small", "full_order", None, "ablation")
     words = ablation.seen(Collection({key: studies.ablation}), NOBODY, "small")
     assert "Without damping: decay NMTE 16.0 %." in words and "nothing" not in words
-    assert "Without elasticity: needed by modal load inertia." in words
+    assert "Without elasticity: needed by modal load, inertia." in words
 
 
 def test_states_and_decays_are_those_of_the_artefacts(real):

@@ -4,14 +4,16 @@ notes above the panels and legends below. Nothing is written on the data.
 
 import math
 from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 COLUMN = 3.46  # [inches] of a figure: 88 mm
@@ -171,7 +173,7 @@ def wrapped(figure: Figure, panel: Axes) -> float:
     panel.set_xlabel(fold(panel.get_xlabel(), room, SIZE))
     if room < NARROW and isinstance(panel.xaxis.get_major_locator(), MaxNLocator):
         panel.locator_params(axis="x", nbins=3)  # or their numbers meet
-    title = fold(panel.get_title(loc="left"), room, SIZE, weight="bold")
+    title = fold(panel.get_title(loc="left"), 0.9 * room, SIZE, weight="bold")
     above = noted(panel, room)
     panel.set_title(title, pad=3 + above)
     above += LINE * SIZE * (title.count("\n") + 1) if title else 0
@@ -198,6 +200,7 @@ def noted(panel: Axes, room: float) -> float:
     if not panel.has_data():
         middle = {"ha": "center", "va": "center", "transform": panel.transAxes}
         panel.text(0.5, 0.5, text, **look, **middle)
+        panel.set_aspect("auto")
     elif text:
         at = {"xycoords": "axes fraction", "xytext": (0, 3), "textcoords": "offset points"}
         panel.annotate(text, (0, 1), va="bottom", **look, **at)
@@ -205,9 +208,22 @@ def noted(panel: Axes, room: float) -> float:
     return 0.0
 
 
+def thin(axis: Axis) -> None:
+    """Fewer numbers along an axis where they meet: as few as one."""
+    for count in (3, 2, 1, 0):
+        boxes = [tick.label1.get_window_extent() for tick in axis._update_ticks()]
+        if not isinstance(axis.get_major_locator(), MaxNLocator):
+            return
+        if not any(one.overlaps(other) for one, other in pairwise(boxes)):
+            return
+        axis.set_major_locator(MaxNLocator(count) if count else FixedLocator([0.0]))
+
+
 def place(figure: Figure) -> None:
     """Names of points go where nothing is drawn; those without such a place are left out."""
     for panel in figure.axes:
+        thin(panel.xaxis)
+        thin(panel.yaxis)
         names = [text for text in panel.texts if text.get_gid() == NAME]
         if not names:
             continue

@@ -5,7 +5,7 @@ the thin lines of the models, their differences below; failed points are counted
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from vibrom.report import curves
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe, scalar
@@ -49,6 +49,7 @@ def draw(
         upper.set(xlabel=FREQUENCY, ylabel=axes[0])
         lower.set(xlabel=FREQUENCY, ylabel=axes[1], yscale="log")
         lower.yaxis.set_major_locator(LogLocator(numticks=3))
+        lower.yaxis.set_minor_formatter(NullFormatter())
     layout.legend(figure, handles.values(), handles)
     return figure, [upper for upper, _ in pairs]
 

@@ -2,8 +2,8 @@
 
 Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the
 scene's) and frequency (times the damped first frequency) of that place. A dot: most seeds left
-their training range and went all the way. A row a method, a column a guard; first integrator. Above each map stands how many of its
-runs failed; a dash: the model has no such guard.
+their training range and went all the way. A row a method, a column a guard; first integrator.
+Above each map stands how many of its runs failed; a dash: the model has no such guard.
 """
 
 import numpy as np
@@ -81,6 +81,7 @@ def failures(panel, group: robustness.Group):
     panel.grid(False)
     ticks = np.linspace(0, len(frequency) - 1, min(4, len(frequency))).astype(int)
     panel.set_xticks(ticks, [f"{frequency[tick]:.3g}" for tick in ticks])
-    panel.set_yticks([0, len(forcing) - 1], [f"{level:g}" for level in forcing[[0, -1]]])
+    ends = sorted({0, len(forcing) - 1})
+    panel.set_yticks(ends, [f"{forcing[end]:g}" for end in ends])
     layout.words(panel, f"{lost.sum()}\u00a0of\u00a0{lost.size}")
     return image
