@@ -42,7 +42,7 @@ def drawn(
 
 def title(method: str, seed: int | None, error: float = np.nan) -> str:
     """`SPLIT+, seed 1: 0.278 %`."""
-    text = label(method) if seed is None else f"{label(method)}, seed {seed}"
+    text = label(method) if seed is None else f"{label(method)}, seed\u00a0{seed}"
     return f"{text}: {error:.3g}\u00a0%" if np.isfinite(error) else text
 
 
