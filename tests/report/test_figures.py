@@ -12,7 +12,7 @@ from vibrom.artefacts.data import outcome_variables
 from vibrom.report import figures, outputs
 from vibrom.report.collection import Collection, Key
 from vibrom.report.drawing import body, style
-from vibrom.report.drawing.states import states
+from vibrom.report.drawing.states import State, states
 from vibrom.report.figures import blow_up
 from vibrom.steps import output
 from vibrom.thesis.labels import KNOWN
@@ -117,6 +117,13 @@ def test_release_states_shared_by_scenes_are_drawn_once(collection):
     same = altered(collection, {("large", "full_order", None, "release"): lambda _: small()})
     shared = [["small test", "large test"], ["small train", "large train"]]
     assert sorted(state.used for state in states(same)) == sorted(shared)
+
+
+def test_release_states_show_the_probes_that_there_are():
+    """The first one, and the one called tip."""
+    for names, shown in ((["above", "side"], {"above": 0.2}), (["tip"], {"tip": 0.2})):
+        dofs = xr.Dataset({"probe_dof": ("probe", [1, 0][: len(names)])}, {"probe": names})
+        assert State(dofs, np.array([0.1, 0.2]), []).shown == shown
 
 
 def test_a_body_under_a_dead_load_is_drawn_about_its_equilibrium(collection):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from vibrom.report.collection import FULL_ORDER, Collection, probe_dof
+from vibrom.report.collection import FULL_ORDER, Collection, probe_dof, probe_name
 from vibrom.report.drawing import body
 
 
@@ -18,10 +18,14 @@ class State(NamedTuple):
     displacement: np.ndarray  # (dof,) [m]
     used: list[str]  # "small test", ...
 
-    def at(self, probe: str) -> float:
-        """Displacement at one probe [m]; NaN where the structure has no such probe."""
-        dof = probe_dof(self.structure, probe)
-        return np.nan if dof is None else float(self.displacement[dof])
+    @property
+    def shown(self) -> dict[str, float]:
+        """Displacement [m] of the probe that tables show, and of `tip` where that is another."""
+        names = dict.fromkeys((probe_name(self.structure), "tip"))
+        found = {name: probe_dof(self.structure, name) for name in names}
+        return {
+            name: float(self.displacement[dof]) for name, dof in found.items() if dof is not None
+        }
 
 
 def states(collection: Collection) -> list[State]:

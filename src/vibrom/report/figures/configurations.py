@@ -44,7 +44,7 @@ def draw(collection, scores, scene=None) -> Figure:
         moved = body.displacement(state.structure, state.displacement)
         free_end = np.argmax(np.linalg.norm(moved, axis=1))
         place = body.view(state.structure) @ (body.rest(state.structure) + moved)[free_end]
-        layout.name(axes, f"{state.at('probe'):.4g} m", place)
+        layout.name(axes, f"{next(iter(state.shown.values())):.4g} m", place)
     axes.autoscale_view()
     axes.margins(x=0.12, y=0.08)
     bar = figure.colorbar(cells, ax=axes, location="bottom", shrink=0.8)
@@ -54,7 +54,7 @@ def draw(collection, scores, scene=None) -> Figure:
 
 def seen(collection, scores, scene=None) -> str:
     """The displacement of each state."""
-    found = [f"{state.at('probe'):.4g} m" for state in states(collection)]
+    found = [f"{next(iter(state.shown.values())):.4g} m" for state in states(collection)]
     if not found:
         return "No release states in this run."
     return f"{len(found)} states, with the probe at {', '.join(found)}."

@@ -35,7 +35,7 @@ def draw(collection, scores, scene=None) -> Figure:
         panel.add_collection(
             PolyCollection(cells, facecolor="0.55", edgecolor="black", linewidth=0.15)
         )
-        panel.set_title(f"probe {state.at('probe'):.4f} m\ntip {state.at('tip'):.4f} m")
+        panel.set_title("\n".join(f"{name} {value:.4f} m" for name, value in state.shown.items()))
         layout.words(panel, ", ".join(state.used))
         panel.autoscale_view()
     return figure
@@ -43,9 +43,8 @@ def draw(collection, scores, scene=None) -> Figure:
 
 def seen(collection, scores, scene=None) -> str:
     """The displacement of each state, and who uses it."""
-    found = [
-        f"{' and '.join(state.used)}: probe at {state.at('probe'):.4f} m, "
-        f"tip at {state.at('tip'):.4f} m."
-        for state in states(collection)
-    ]
+    found = []
+    for state in states(collection):
+        shown = ", ".join(f"{name} at {value:.4f} m" for name, value in state.shown.items())
+        found.append(f"{' and '.join(state.used)}: {shown}.")
     return " ".join(found) or "No release states in this run."
