@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.solvers.periodic import continuation
+from vibrom.solvers.periodic import between, continuation
 from vibrom.solvers.periodic.continuation import Lost, Pace, Value
 from vibrom.solvers.periodic.equations import in_frequency
 from vibrom.solvers.periodic.maps import Return
@@ -92,10 +92,10 @@ def test_a_root_between_two_points_is_found():
     def close(one, other):
         return abs(one.p - other.p) < 1e-9
 
-    found = continuation.between(cubic, left, right, lambda point: point.tangent[-1], close, pace)
+    found = between.root(cubic, left, right, lambda point: point.tangent[-1], close, pace)
     assert found[0].p == pytest.approx(2.0 / 3.0, abs=3e-8)
     assert all(left.arc < item.arc < right.arc for item in found)
-    onto = continuation.onto(cubic, left, found[0], 0.65, pace)
+    onto = between.onto(cubic, left, found[0], 0.65, pace)
     assert onto.p == pytest.approx(0.65) and onto.x[0] < -1.0
 
 
@@ -209,7 +209,7 @@ def test_an_edge_is_met_between_points_that_are_far_apart():
     pace = Pace(scale=1.0, newton=True)
     left, right = (continuation.at(steep, np.exp([8.0 * p]), p, pace) for p in (0.0, 1.0))
     right = replace(right, arc=float(np.linalg.norm((right.u - left.u) / left.scale(pace))))
-    found = continuation.onto(steep, left, right, 0.9, pace)
+    found = between.onto(steep, left, right, 0.9, pace)
     assert left.arc < found.arc < right.arc
     # The last correction is below 1e-6, what it leaves its square.
     np.testing.assert_allclose([found.p, found.x[0]], [0.9, np.exp(7.2)], rtol=1e-10)

@@ -21,8 +21,7 @@ the model in JAX.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from itertools import islice
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -84,8 +83,6 @@ class Point:
         return np.append(self.x, self.p)
 
 
-MOST = 8  # points between two on the way to a root
-FEW = 32  # quarter steps from one to the other, which may be shorter still
 # Steps in a row no longer than STUCK lead nowhere, and a walk ends. It passes folds close by each
 # other, and branches that turn sharply, in fewer.
 CRAWL, STUCK = 24, 2e-3
@@ -213,26 +210,7 @@ def _curved(before: Point, point: Point, scale: np.ndarray, length: float) -> np
 
 
 def onto(problem: Problem, left: Point, right: Point, p: float, pace: Pace) -> Point:
-    """The solution at p, between two neighbours; where they are too far apart, after shorter steps
-    from the left one. Raises Lost.
-    """
-    length = 0.25 * (right.arc - left.arc)
-    try:
-        return _onto(problem, left, right, p, pace)
-    except Lost:
-        if length < pace.smallest:
-            raise
-    shorter = replace(pace, first=length, largest=length, heard=int)
-    below, before = left.p < p, left
-    for ahead in islice(walk(problem, left, shorter), FEW):
-        if (ahead.p < p) != below:
-            return onto(problem, before, ahead, p, pace)
-        before = ahead
-    raise Lost("the branch does not come to p")
-
-
-def _onto(problem: Problem, left: Point, right: Point, p: float, pace: Pace) -> Point:
-    """As `onto`, from a straight line between the neighbours."""
+    """The solution at p, from a straight line between two neighbours. Raises Lost."""
     share = (p - left.p) / (right.p - left.p)
     scale = left.scale(pace)
     normal = np.append(np.zeros(len(left.x)), 1.0)
@@ -277,34 +255,3 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
         pace.heard(1)
         yield point
     raise Lost("the branch is followed by steps that are too short")
-
-
-def between(
-    problem: Problem,
-    left: Point,
-    right: Point,
-    test: Callable[[Point], float],
-    close: Callable[[Point, Point], bool],
-    pace: Pace,
-) -> list[Point]:
-    """Points between two neighbours on which `test` has opposite signs, the root first: what regula
-    falsi (in its Illinois form) visits until two in a row are `close`.
-    """
-    found: list[Point] = []
-    low, high, at_low, at_high = left, right, test(left), test(right)
-    for _ in range(MOST):
-        share = at_low / (at_low - at_high)
-        length = (high.arc - low.arc) * min(max(share, 0.02), 0.98)
-        try:
-            middle = beyond(problem, low, length, pace, high)
-        except Lost:
-            break
-        value = test(middle)
-        found.insert(0, middle)
-        if found[1:] and close(found[0], found[1]):
-            break
-        if (value > 0) == (at_high > 0):
-            high, at_high, at_low = middle, value, 0.5 * at_low if found[1:] else at_low
-        else:
-            low, at_low, at_high = middle, value, 0.5 * at_high if found[1:] else at_high
-    return found

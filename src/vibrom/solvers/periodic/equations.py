@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibrom.solvers.periodic import continuation
+from vibrom.solvers.periodic import between, continuation
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
 from vibrom.solvers.periodic.maps import Equation, Return, Swing
 
@@ -84,7 +84,7 @@ def from_rest(flow: Equation, frequency: float, amplitude: float) -> np.ndarray:
     before = _beginning(problem, flow.size, amplitude, pace)
     for count, ahead in enumerate(continuation.walk(problem, before, pace)):
         if ahead.p >= amplitude:
-            return continuation.onto(problem, before, ahead, amplitude, pace).x
+            return between.onto(problem, before, ahead, amplitude, pace).x
         if count > MOST:
             break
         before = ahead

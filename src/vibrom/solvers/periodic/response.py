@@ -16,7 +16,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from vibrom.artefacts.outcome import Outcome
-from vibrom.solvers.periodic import continuation, stability
+from vibrom.solvers.periodic import between, continuation, stability
 from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Value
 from vibrom.solvers.periodic.equations import Along, from_rest
 from vibrom.solvers.periodic.maps import Return, Swing
@@ -100,7 +100,13 @@ def branch(
         orbits += _special(problem, before, ahead, pace, parts)
         if not span.lowest < ahead.p < span.highest:
             edge = span.highest if ahead.p >= span.highest else span.lowest
-            orbits, ending = _to_the(edge, problem, before, ahead, orbits, pace)
+            try:
+                last = between.onto(problem, before, ahead, edge, pace)
+            except Lost:
+                ending = Outcome.LOST
+                break
+            orbits, ending = [o for o in orbits if o.point.arc < last.arc], Outcome.OK
+            orbits.append(Orbit(last))
             break
         orbits.append(Orbit(ahead))
         if _meets(ahead.x, ahead.p, known):
@@ -108,24 +114,6 @@ def branch(
             break
     orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
     return minor_folds(orbits, span.minor)
-
-
-def _to_the(
-    edge: float,
-    problem: Problem,
-    before: Point,
-    ahead: Point,
-    orbits: list[Orbit],
-    pace: Pace,
-) -> tuple[list[Orbit], Outcome]:
-    """The orbits as far as the edge of the span, which lies between the last two, and how the
-    branch ends.
-    """
-    try:
-        last = continuation.onto(problem, before, ahead, edge, pace)
-    except Lost:
-        return orbits, Outcome.LOST
-    return [*(one for one in orbits if one.point.arc < last.arc), Orbit(last)], Outcome.OK
 
 
 def through(
@@ -167,7 +155,7 @@ def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int
     """The orbits between two neighbours at which the branch folds or stability changes."""
     found: list[Orbit] = []
     if left.tangent[-1] * right.tangent[-1] < 0.0:
-        points = continuation.between(
+        points = between.root(
             problem,
             left,
             right,
@@ -180,7 +168,7 @@ def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int
     counts = stability.unstable(before), stability.unstable(after)
     if abs(counts[1] - counts[0]) > len(found[:1]):
         number = max(counts)
-        points = continuation.between(
+        points = between.root(
             problem,
             left,
             right,
