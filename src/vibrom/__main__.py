@@ -33,7 +33,7 @@ def report() -> str:
 
 def check(folder: Path, overlays: list[Path]) -> str:
     """What the configuration in `folder` asks for, with the overlays laid over it, read as the
-    workflow reads it; raises `ConfigError`, one line that names file, key, value and cure.
+    workflow reads it; or one line that names file, key, value and cure.
     """
     asked = settings.load(folder, overlays)
     lists = ("scenes", "methods", "experiments", "studies")
