@@ -110,6 +110,13 @@ def test_no_two_methods_look_alike():
         assert len({(str(look["linestyle"]), look["marker"]) for look in found}) == len(methods)
 
 
+def test_markers_alone_tell_the_methods_of_a_run_apart_without_colour():
+    found = [
+        (look["marker"], look["markerfacecolor"] == "white") for look in style.looks(KNOWN).values()
+    ]
+    assert len(set(found)) == len(KNOWN) <= 2 * len(style.MARKERS)
+
+
 def test_release_states_shared_by_scenes_are_drawn_once(collection):
     own = [["small test"], ["small train"], ["large test"], ["large train"]]
     assert sorted(state.used for state in states(collection)) == sorted(own)

@@ -133,6 +133,7 @@ def swatch(look: Mapping[str, Any]) -> dict[str, str]:
         "color": look["color"],
         "dash": ",".join(f"{1.6 * part:g}" for part in lengths),
         "path": MARKERS[look["marker"]],
+        "fill": "var(--paper)" if look["markerfacecolor"] == "white" else look["color"],
     }
 
 

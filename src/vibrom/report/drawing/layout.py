@@ -236,7 +236,8 @@ def place(figure: Figure) -> None:
                 text.xyann = (dx, dy)
                 text.set_ha("center" if dx == 0 else "right" if dx < 0 else "left")
                 box = text.get_window_extent()
-                inside = figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
+                inside = panel.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
+                inside = inside and panel.bbox.y0 <= box.y0
                 if inside and not box.count_contains(marks) and not box.count_overlaps(taken):
                     taken.append(box)
                     break

@@ -76,14 +76,17 @@ LOOKS = len(DASHES) * len(MARKERS)  # looks with a dash and marker of their own:
 
 
 def look(index: int, **changes) -> dict:
-    """Line number `index`: its own colour, dash and hollow marker."""
+    """Line number `index`: its own colour, dash and marker, hollow and then filled, so that markers
+    without lines are told apart without colour, too.
+    """
+    colour = COLOURS[index % len(COLOURS)]
     return {
-        "color": COLOURS[index % len(COLOURS)],
+        "color": colour,
         "linestyle": DASHES[index % len(DASHES)],
         "linewidth": 1.1,
         "marker": MARKERS[index % len(MARKERS)],
         "markersize": 4.2,
-        "markerfacecolor": "white",
+        "markerfacecolor": colour if index // len(MARKERS) % 2 else "white",
         "markeredgewidth": 0.9,
     } | changes
 
