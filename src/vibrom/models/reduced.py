@@ -144,7 +144,7 @@ class Reduced:
             waves = waves * drive.amplitude[:, None, None]
             return self._driven(reduced, waves, self.load[None], dofs)
         if dofs is None and len(reduced) == 1:
-            return (decoded(self, reduced[0]),)
+            return _of_one(decoded(self, reduced[0]))
         return self.decoded(reduced, dofs)
 
     def _driven(
@@ -154,7 +154,7 @@ class Reduced:
         driven = Driven(self, self.rom, loads, waves.shape[2])
         both = np.concatenate([reduced, waves], axis=2)
         if dofs is None and len(reduced) == 1:
-            return (decoded(driven, both[0]),)
+            return _of_one(decoded(driven, both[0]))
         found = driven.decoded(both.reshape(-1, both.shape[2]), dofs)
         return found.reshape(*reduced.shape[:2], -1)
 
@@ -189,3 +189,9 @@ class Reduced:
         chunk = max(1, min(4096, AT_A_TIME // (self.size if dofs is None else len(dofs))))
         flat = decode_displacement(self.rom, flat, dofs, chunk)
         return flat.reshape(*coordinates.shape[:-1], -1)
+
+
+def _of_one(displacement: Any) -> Any:
+    """The displacements (m, n) of a single run as those (1, m, n) of several, if they are there."""
+    whole = isinstance(displacement, np.ndarray)
+    return displacement[None] if whole else (displacement,)
