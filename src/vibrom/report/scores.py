@@ -109,19 +109,14 @@ class Scores:
     @classmethod
     def read(cls, path: str | Path) -> Scores:
         """Those that `to_csv` wrote."""
-        numbers = {"value": float, "seconds": float, "endings": int}
-        table = pd.read_csv(
-            path,
-            dtype={name: numbers.get(name, str) for name in (*Score._fields, "endings")},
-            keep_default_na=False,  # a scene may be called NA
-            na_values={"value": [""], "seconds": [""]},
-            float_precision="round_trip",
-        )
+        table = pd.read_csv(path, dtype=str, keep_default_na=False)  # a scene may be called NA
         found = (Score(*row[:-1]) for row in table.itertuples(index=False))
         return cls(
             score._replace(
                 seed=None if score.seed == UNSEEDED else int(score.seed),
-                outcome=Tally.read(score.outcome, total),
+                value=float(score.value or np.nan),
+                seconds=float(score.seconds or np.nan),
+                outcome=Tally.read(score.outcome, int(total)),
             )
             for score, total in zip(found, table["endings"])
         )

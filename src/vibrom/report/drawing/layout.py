@@ -13,7 +13,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
-from matplotlib.ticker import FixedLocator, MaxNLocator
+from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 COLUMN = 3.46  # [inches] of a figure: 88 mm
@@ -210,6 +210,16 @@ def noted(panel: Axes, room: float) -> float:
 
 def thin(axis: Axis) -> None:
     """Fewer numbers along an axis where they meet: as few as one."""
+    if isinstance(axis.get_major_locator(), LogLocator):
+        # Within less than a decade its ticks are as many as on any other axis.
+        named = [tick for tick in axis._update_ticks() if tick in axis.majorTicks]
+        apart = named[:1]
+        for tick in named[1:]:
+            if not tick.label1.get_window_extent().overlaps(apart[-1].label1.get_window_extent()):
+                apart.append(tick)
+        if len(apart) < len(named):
+            axis.set_major_locator(FixedLocator([tick.get_loc() for tick in apart]))
+        return
     for count in (3, 2, 1, 0):
         boxes = [tick.label1.get_window_extent() for tick in axis._update_ticks()]
         if not isinstance(axis.get_major_locator(), MaxNLocator):
