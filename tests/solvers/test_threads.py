@@ -18,6 +18,13 @@ def test_items_keep_their_order_and_errors_arrive():
             threads.mapped(lambda k: 1 / (k - 3), range(5), count)
 
 
+@pytest.mark.parametrize("text, count", [("3", 3), ("3,2", 3), (" 2 ", 2), ("", None), ("0", None)])
+def test_the_number_of_threads_is_that_of_the_outermost_level(text, count, monkeypatch):
+    monkeypatch.setattr("os.cpu_count", lambda: 7)
+    monkeypatch.setenv("OMP_NUM_THREADS", text)
+    assert threads.threads() == (count or 7)
+
+
 def test_a_manifold_by_threads_is_that_by_one(monkeypatch):
     term, models = effects.assemble(space.build(body(cells=[12, 1])), THESIS), []
     for count, large in (("1", threads.LARGE), ("3", 1)):

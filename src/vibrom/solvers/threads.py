@@ -14,8 +14,11 @@ Item, Result = TypeVar("Item"), TypeVar("Result")
 
 
 def threads() -> int:
-    """What OMP_NUM_THREADS says, as for other numerical libraries; without it all cores."""
-    return int(os.environ.get("OMP_NUM_THREADS", 0)) or os.cpu_count() or 1
+    """What OMP_NUM_THREADS says, as for other numerical libraries; without it all cores. Of a list,
+    which is for threads within threads, it is the first number.
+    """
+    outer = os.environ.get("OMP_NUM_THREADS", "").partition(",")[0].strip()
+    return (int(outer) if outer.isdecimal() else 0) or os.cpu_count() or 1
 
 
 def worth(size: int) -> int:
