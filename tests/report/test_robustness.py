@@ -93,18 +93,16 @@ def test_full_order_at_coarse_steps(collection):
     assert rb"$\gamma$" in tables.render(made, "tex", "")
 
 
-def words(figure) -> set[str]:
-    """Title and notes of each panel, on one line."""
-    said = (
-        f"{panel.get_title(loc='left')}: {' '.join(text.get_text() for text in panel.texts)}"
-        for panel in figure.axes
-    )
-    return {" ".join(line.split()) for line in said}
+def written(figure):
+    """Titles and notes of its panels, each as on one line."""
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    notes = [text.get_text() for axes in figure.axes for text in axes.texts]
+    return {" ".join(words.split()) for words in titles + notes if words}
 
 
 def test_figures_count_what_failed(collection):
-    above = words(figures.make("robustness_map_folding", collection, NOBODY))
-    assert {"SPLIT: none 4 of 18", ": bounded 0 of 18"} <= above
+    figure = figures.make("robustness_map_folding", collection, NOBODY)
+    assert written(figure) == {"SPLIT", "none 4 of 18", "bounded 0 of 18"}
 
 
 def test_a_guard_that_does_not_suit_a_model_is_no_failure_of_it():
@@ -117,8 +115,14 @@ def test_a_guard_that_does_not_suit_a_model_is_no_failure_of_it():
     row = only("guards", alone, "bounded", "tight")
     assert row["decays"] == 0 and row["energy_rises"] is None
     assert str(row["outcome"]) == "unsupported"
-    above = words(figures.make("robustness_map_folding", alone, NOBODY))
-    assert {"SPLIT: none 0 of 6", ": bounded –"} <= above
+    figure = figures.make("robustness_map_folding", alone, NOBODY)
+    assert written(figure) == {"SPLIT", "none 0 of 6", "bounded –"}
+
+
+def test_a_map_without_a_model_says_why():
+    alone = run(seed_2=lambda: studies.robustness(2, 0, TRUTH, 4.0, guarded="training_diverged"))
+    figure = figures.make("robustness_map_folding", alone, NOBODY)
+    assert "bounded training diverged" in written(figure)
 
 
 def test_a_run_without_robustness_tests_is_no_error():

@@ -3,7 +3,8 @@
 Colour: the part of the seeds whose run failed, forced from rest with the forcing (times the
 scene's) and frequency (times the damped first frequency) of that place. A dot: most seeds left
 their training range and went all the way. A row a method, a column a guard; first integrator.
-Above each map stands how many of its runs failed; a dash: the model has no such guard.
+Above each map stands how many of its runs failed. An empty one says what became of the model; a
+dash: it has no such guard.
 """
 
 import numpy as np
@@ -66,7 +67,8 @@ def failures(panel, group: robustness.Group):
     runs = [answer.isel(run=answer["kind"].values == KINDS[0]) for answer in group.answers]
     good = [run for run in runs if robustness.evaluated(run)]
     if not good:
-        layout.words(panel, "–")
+        why = robustness.endings(runs)[0]
+        layout.words(panel, "–" if why is Outcome.UNSUPPORTED else why.value.replace("_", " "))
         return None
     frequency, forcing = (np.unique(good[0][axis].values) for axis in ("frequency", "forcing"))
     # (seed, forcing, frequency): the runs are in the order of the grid
