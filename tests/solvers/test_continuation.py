@@ -234,6 +234,22 @@ def test_folds_that_are_close_are_minor():
     assert [orbit.kind for orbit in named] == [Kind.MINOR_FOLD] * 2 + [Kind.FOLD] * 2
 
 
+@pytest.mark.parametrize("turn", [0.25, 0.05])
+def test_a_sharp_fold_is_passed_however_little_a_step_may_turn(turn):
+    """p = -K (x - 1)^2: at the fold its radius 1/(2 K) is that of a peak at 0.5 % of damping, and
+    steps of 0.05 rad are short for 1.5 rad, which takes 30 of them.
+    """
+
+    def tip(x, p, derivative):
+        off, sharp = x[0] - 1.0, 1.0 / (2.0 * 0.016)
+        return Value(np.array([p + sharp * off**2]), np.array([[2.0 * sharp * off]]), np.ones(1))
+
+    pace = Pace(1.0, turn=turn, newton=True)
+    start = continuation.at(tip, np.array([0.7]), -0.09 / 0.032, pace)
+    beyond = (point for point in continuation.walk(tip, start, pace) if point.x[0] > 1.2)
+    assert next(beyond).p < 0.0
+
+
 def test_a_walk_that_only_creeps_on_ends():
     """A spiral r = e^(-phi/4) about (1, 1): at the allowed turn its steps are ever shorter."""
 

@@ -83,9 +83,9 @@ class Point:
         return np.append(self.x, self.p)
 
 
-# Steps in a row no longer than STUCK lead nowhere, and a walk ends. It passes folds close by each
-# other, and branches that turn sharply, in fewer.
-CRAWL, STUCK = 24, 2e-3
+# Steps in a row no longer than STUCK lead nowhere, and a walk ends: as many as may turn by CRAWL
+# [rad], and FEWEST at least. It passes folds close by each other, and sharp turns, in fewer.
+CRAWL, FEWEST, STUCK = 6.0, 24, 2e-3
 
 
 class Lost(ArithmeticError):
@@ -237,7 +237,7 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
     wanted. Raises Lost where the smallest step finds no solution, or where it only creeps on.
     """
     point, before, length, short = start, None, pace.first, 0
-    while short < CRAWL:
+    while short < max(FEWEST, CRAWL / pace.turn):
         try:
             ahead = beyond(problem, point, length, pace, before)
             angle = turning(point, ahead, pace)
