@@ -61,8 +61,8 @@ class Parked(BackendArray):
         """Some columns of the rows (k,) of a run, of which a few are in memory whole."""
         n, some = self.shape[2], max(1, samples.BLOCK // (8 * self.shape[2]))
         found = [np.empty((0, n))[:, columns]]
-        for first in range(0, len(numbers), some):
-            part = numbers[first : first + some]
+        near = np.split(numbers, 1 + np.flatnonzero(np.diff(numbers // some)))
+        for part in near if len(numbers) else []:
             low, high = int(part.min()), int(part.max()) + 1
             self.file.seek(self._place(run, low))
             block = np.fromfile(self.file, float, (high - low) * n).reshape(-1, n)
