@@ -39,17 +39,21 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# Two halves of the tests beside each other, whole runs and what they show in one, and the checks
-# beside the half that takes longer. What each has to say is shown when it ends.
+# Two halves of the tests beside each other, as long as one another, and the checks beside them: whole
+# runs and what they show, but for what shares no run with others, and all parts. What each has to
+# say is shown when it ends.
+RUNS := tests/workflow tests/report
+ALONE := $(addprefix tests/workflow/,test_faults.py test_module.py test_tracking.py)
+PARTS := $(filter-out $(RUNS),$(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py)))))
 test: environment
 	@$(MAKE) --no-print-directory --output-sync=target -kj 2 test-workflow test-parts static
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 test-workflow:
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q tests/workflow tests/report
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q $(RUNS) $(addprefix --ignore=,$(ALONE))
 
 test-parts:
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q --ignore=tests/workflow --ignore=tests/report
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q $(PARTS) $(wildcard tests/test_*.py) $(ALONE)
 
 ui: environment
 	@$(BIN)/python -m vibrom.tracking $(RESULTS)/mlflow.db $(PORT)
