@@ -37,7 +37,7 @@ FRONT = {  # a series: the Pareto front
     "name": "Pareto front",
     "look": {"linewidth": 1.2, "color": "#8a949e", "shape": "hv"},
 }
-NAMED = 6  # series that an alternative text names
+NAMED = 6  # series that the words of a panel name
 
 
 @dataclass(frozen=True)
