@@ -17,7 +17,6 @@ from matplotlib.ticker import FixedLocator, LogLocator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 COLUMN = 3.46  # [inches] of a figure: 88 mm
-TALLEST = 9.3  # [inches] of a figure: what a page has room for
 SIZE = 7  # [points] of letters
 SMALL = 6.2  # of the smallest
 LINE = 1.3  # height of a line, over the size of its letters
