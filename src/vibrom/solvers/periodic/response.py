@@ -103,7 +103,7 @@ def branch(
             try:
                 last = between.onto(problem, before, ahead, edge, pace)
             except Lost:
-                ending = Outcome.LOST
+                orbits, ending = [o for o in orbits if o.point.arc <= before.arc], Outcome.LOST
                 break
             orbits, ending = [o for o in orbits if o.point.arc < last.arc], Outcome.OK
             orbits.append(Orbit(last))
