@@ -57,6 +57,20 @@ def test_panels_are_of_the_height_that_was_asked_for():
         assert abs(size - height) < 0.2 * height
 
 
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_panels_that_share_an_axis_keep_its_numbers(scale):
+    """Those without numbers of their own do not take them from the others."""
+    figure, axes = layout.grid(4, sharex=True, sharey=True)
+    for panel in axes:
+        panel.set(xscale=scale, yscale=scale, xlabel="time [s]", ylabel="probe [m]")
+        panel.plot([1.0, 1000.0], [1.0, 1000.0])
+    finished(figure)
+    for axis in (axes[2].xaxis, axes[0].yaxis):
+        assert (
+            sum(bool(text.get_visible() and text.get_text()) for text in axis.get_ticklabels()) > 1
+        )
+
+
 def test_a_label_stands_once_in_a_row_and_a_column():
     figure, axes = layout.grid(3)
     for panel, words in zip(axes, ("time [s]", "time [s]", "frequency [Hz]")):

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
+from matplotlib.axis import Axis, Tick
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
@@ -211,7 +211,7 @@ def thin(axis: Axis) -> None:
     """Fewer numbers along an axis where they meet: as few as one."""
     if isinstance(axis.get_major_locator(), LogLocator):
         # Within less than a decade its ticks are as many as on any other axis.
-        named = [tick for tick in axis._update_ticks() if tick in axis.majorTicks]
+        named = numbers(axis)
         apart = named[:1]
         for tick in named[1:]:
             if not tick.label1.get_window_extent().overlaps(apart[-1].label1.get_window_extent()):
@@ -220,12 +220,20 @@ def thin(axis: Axis) -> None:
             axis.set_major_locator(FixedLocator([tick.get_loc() for tick in apart]))
         return
     for count in (3, 2, 1, 0):
-        boxes = [tick.label1.get_window_extent() for tick in axis._update_ticks()]
+        boxes = [tick.label1.get_window_extent() for tick in numbers(axis)]
         if not isinstance(axis.get_major_locator(), MaxNLocator):
             return
         if not any(one.overlaps(other) for one, other in pairwise(boxes)):
             return
         axis.set_major_locator(MaxNLocator(count) if count else FixedLocator([0.0]))
+
+
+def numbers(axis: Axis) -> list[Tick]:
+    """The ticks with a number. Of panels that share an axis one has them, and all share its ticks:
+    without numbers there is nothing that meets.
+    """
+    ticks = [tick for tick in axis._update_ticks() if tick in axis.majorTicks]
+    return [tick for tick in ticks if tick.label1.get_visible() and tick.label1.get_text()]
 
 
 def place(figure: Figure) -> None:
