@@ -15,7 +15,7 @@ ERRORS = {
     "forced": "forced run: NMTE [%]",
     "frc": "response curve: error [%]",
 }
-NOT_STUDIED = "no scene of this run was studied"
+NOT_STUDIED = "this scene was not studied"
 
 
 def looks(collection: Collection, found: list[Pooled]) -> dict[str, dict]:

@@ -23,7 +23,7 @@ from vibrom.studies.parts.work_precision import observed_order
 
 FAMILY = "cost"
 PLACE = 610
-EACH = "run"
+EACH = "scene"
 DATA = ("cost_full_order",)
 GLANCE = True
 CONVERGED = 15.0  # %: larger errors are not yet those of the leading order
@@ -35,29 +35,30 @@ ERRORS = {
 }
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """Four panels a scene: of time steps, then of meshes."""
-    known = cost.studied(collection, "cost_full_order")
-    figure, axes = layout.grid(4 * max(1, len(known)), least=layout.COLUMN, height=0.85)
+def draw(collection, scores, scene) -> Figure:
+    """Four panels: of time steps, then of meshes."""
+    dataset = cost.studied(collection, "cost_full_order").get(scene)
+    figure, axes = layout.grid(len(ERRORS), least=layout.COLUMN, height=0.85)
     for panel in axes:
         panel.set(xlabel="wall time of one run [s]", ylabel="error [%]", xscale="log", yscale="log")
-    if not known:
+    axes[0].set_title(scene)
+    if dataset is None:
         layout.words(axes[0], NOT_STUDIED)
-    for index, (name, dataset) in enumerate(known.items()):
-        structure = collection.find(name, FULL_ORDER, "structure")
-        for question, panel in zip(ERRORS, axes[4 * index : 4 * index + 4]):
-            panel.set(ylabel=ERRORS[question], title=name if question == "decay" else "")
-            part = dataset.sel(question=question)
-            if question in ("decay", "forced"):
-                time_steps(panel, part, question)
-                residuals(panel, part)
-            else:
-                part = part.assign(seconds=dataset["seconds"].sel(question="response"))
-                meshes(panel, part, question, described(structure, "body"))
-            mark_reference(panel, float(part["reference_error"]))
-            layout.legend_below(panel)
-            panels.decades(panel.xaxis)
-            panels.decades(panel.yaxis)
+        return figure
+    structure = collection.find(scene, FULL_ORDER, "structure")
+    for question, panel in zip(ERRORS, axes):
+        panel.set(ylabel=ERRORS[question])
+        part = dataset.sel(question=question)
+        if question in ("decay", "forced"):
+            time_steps(panel, part, question)
+            residuals(panel, part)
+        else:
+            part = part.assign(seconds=dataset["seconds"].sel(question="response"))
+            meshes(panel, part, question, described(structure, "body"))
+        mark_reference(panel, float(part["reference_error"]))
+        layout.legend_below(panel)
+        panels.decades(panel.xaxis)
+        panels.decades(panel.yaxis)
     return figure
 
 

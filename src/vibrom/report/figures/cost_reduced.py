@@ -21,28 +21,26 @@ from vibrom.thesis.labels import label
 
 FAMILY = "cost"
 PLACE = 620
-EACH = "run"
+EACH = "scene"
 DATA = ("cost_reduced",)
 GLANCE = True
 AXES = ("offline: data, mapping, dynamics [s]", "online: one answer [s]")
 TRUTH = {"decay": "test", "forced": "forced", "frc": "frc"}  # what the full-order model answers
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A row a scene and question: offline on the left, online on the right."""
-    found = cost.pooled(collection)
-    scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
-    rows = [(scene, question) for scene in scenes or [""] for question in drawing.ERRORS]
-    figure, axes = layout.grid(2 * len(rows), height=1.3, sharey="row")
+def draw(collection, scores, scene) -> Figure:
+    """A row a question: offline on the left, online on the right."""
+    mine = [one for one in cost.pooled(collection) if one.scene == scene]
+    looks = drawing.looks(collection, mine)
+    figure, axes = layout.grid(2 * len(drawing.ERRORS), height=1.3, sharey="row")
     handles: dict = {}
-    for (scene, question), offline, online in zip(rows, axes[::2], axes[1::2]):
+    for question, offline, online in zip(drawing.ERRORS, axes[::2], axes[1::2]):
         for panel, axis in zip((offline, online), AXES):
             words = {"ylabel": drawing.ERRORS[question], "xlabel": axis}
             panel.set(xscale="log", yscale="log", **words)
-        if not scenes:
+        if not mine:
             layout.words(offline, drawing.NOT_STUDIED)
             continue
-        mine = [one for one in found if one.scene == scene]
         offline.set_title(f"{scene}, {drawing.ERRORS[question].partition(':')[0]}")
         handles |= points(offline, mine, "offline", question, looks)
         handles |= points(online, mine, question, question, looks)

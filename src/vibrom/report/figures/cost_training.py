@@ -16,30 +16,26 @@ from vibrom.thesis.labels import label
 
 FAMILY = "cost"
 PLACE = 630
-EACH = "run"
+EACH = "scene"
 DATA = ("cost_reduced",)
 GLANCE = True
 EPOCHS = ("epochs", "start.epochs")
 
 
-def draw(collection, scores, scene=None) -> Figure:
-    """A panel a scene and question."""
-    found = cost.pooled(collection)
-    scenes, looks = dict.fromkeys(one.scene for one in found), drawing.looks(collection, found)
-    rows, count = max(1, len(scenes)), len(drawing.ERRORS)
-    figure, axes = layout.grid(count * rows, least=layout.COLUMN, height=1.5)
-    for panel, words in zip(axes, [*drawing.ERRORS.values()] * rows):
-        panel.set(xlabel="fit: mapping and dynamics [s]", ylabel=words, xscale="log", yscale="log")
-    if not scenes:
-        layout.words(axes[0], drawing.NOT_STUDIED)
+def draw(collection, scores, scene) -> Figure:
+    """A panel a question."""
+    mine = [one for one in cost.pooled(collection) if one.scene == scene]
+    looks = drawing.looks(collection, mine)
+    figure, axes = layout.grid(len(drawing.ERRORS), least=layout.COLUMN, height=1.5)
     handles: dict = {}
-    for place, name in enumerate(scenes):
-        mine = [one for one in found if one.scene == name]
-        for panel, question in zip(axes[count * place :], drawing.ERRORS):
-            panel.set_title(f"{name}, {drawing.ERRORS[question].partition(':')[0]}")
-            for method, group in cost.of_methods(mine).items():
-                handles |= lines(panel, group, question, looks[method])
-            drawing.name_silent(panel, mine, question)
+    for panel, (question, words) in zip(axes, drawing.ERRORS.items()):
+        panel.set(xlabel="fit: mapping and dynamics [s]", ylabel=words, xscale="log", yscale="log")
+        panel.set_title(f"{scene}, {words.partition(':')[0]}")
+        for method, group in cost.of_methods(mine).items():
+            handles |= lines(panel, group, question, looks[method])
+        drawing.name_silent(panel, mine, question)
+    if not mine:
+        layout.words(axes[0], drawing.NOT_STUDIED)
     drawing.finish(figure, handles, looks)
     return figure
 
