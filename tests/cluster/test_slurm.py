@@ -27,7 +27,7 @@ SCRIPT = Path(__file__).with_name("slurm.sh")
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel")
 STALLED = 1800  # s without a sign of progress; how long the whole takes depends on the machine
 BY_TIMES = {"break_even", "cheapest", "run_times"}  # tables whose rows are chosen by wall times
-ASKS = {"threads": 2, "runtime": 30}  # for its fit, in the file of a method
+ASKING, ASKS = "equations", {"threads": 2, "runtime": 30}  # a method, what its file asks for
 KINDS = {  # of jobs that are submitted alone, for their memory
     "fit_ssmlearn_wild": "fit",
     "full_order_frc_wild": "full_order_answer",
@@ -73,7 +73,7 @@ def running() -> list[str]:
 def asking(folder) -> Run:
     """A copy of the workflow in which a method asks for resources of its own."""
     made = Run(folder)
-    change(made.folder / "config/methods/modal_projection.yaml", "resources", ASKS)
+    change(made.folder / f"config/methods/{ASKING}.yaml", "resources", ASKS)
     return made
 
 
@@ -158,11 +158,11 @@ def test_memory_time_and_threads_come_from_the_rules(submitted, cluster):
     scene = settings.load(ROOT / "config", [overlay]).scenes["folding"].to_builtins()
     for rule, kind in KINDS.items():
         assert submitted.asked(rule, "--mem") == {str(mem_mb(scene, kind))}, rule
-    assert submitted.asked("fit_modal_projection", "-t") == {str(ASKS["runtime"])}
-    assert submitted.asked("fit_modal_projection", "--cpus-per-task") == {str(ASKS["threads"])}
-    assert submitted.asked("fit_ssmlearn", "-t") == {"60"}  # minutes, of the profile
-    assert submitted.asked("fit_ssmlearn", "--cpus-per-task") == {"1"}
-    assert submitted.asked("fit_ssmlearn", "--gpus") == set()
+    assert submitted.asked(f"fit_{ASKING}_wild", "-t") == {str(ASKS["runtime"])}
+    assert submitted.asked(f"fit_{ASKING}_wild", "--cpus-per-task") == {str(ASKS["threads"])}
+    assert submitted.asked("fit_ssmlearn_wild", "-t") == {"60"}  # minutes, of the profile
+    assert submitted.asked("fit_ssmlearn_wild", "--cpus-per-task") == {"1"}
+    assert submitted.asked("fit_ssmlearn_wild", "--gpus") == set()
 
 
 def test_small_jobs_go_together(submitted, cluster):
