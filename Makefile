@@ -39,9 +39,9 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# Two halves of the tests beside each other, as long as one another, and the checks beside them: whole
-# runs and what they show, but for what shares no run with others, and all parts. What each has to
-# say is shown when it ends.
+# Two halves of the tests run beside each other, and the checks after the one that ends first. The
+# first has the whole runs and what is shown of them; the second has all parts, and those runs that
+# share nothing with others, so that both take as long. What each has to say is shown when it ends.
 RUNS := tests/workflow tests/report
 ALONE := $(addprefix tests/workflow/,test_faults.py test_module.py test_tracking.py)
 PARTS := $(filter-out $(RUNS),$(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py)))))

@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from vibrom.artefacts.files import DataError
 from vibrom.artefacts.outcome import Tally
 from vibrom.report.scores import Score, Scores, spread
 
@@ -61,9 +62,17 @@ def test_scores_come_back_from_their_file_as_they_were(tmp_path, scores):
         Score("01", "null", 7, "frc", "error", 0.1 + 0.2, "percent", np.inf, Tally(["ok"] * 33)),
         Score("on", "a, b", 0, "frc", "e", 5e-324, "1", 0.0, Tally(["ok", "diverged", "ok"])),
     ]
-    (tmp_path / "scores.csv").write_text(Scores([*hostile, *scores.rows]).to_csv())
+    Scores([*hostile, *scores.rows]).write(tmp_path / "scores.csv")
     back = Scores.read(tmp_path / "scores.csv").rows
     assert list(map(repr, back)) == list(map(repr, [*hostile, *scores.rows]))
+
+
+def test_scores_that_are_not_what_was_written_are_refused(tmp_path, scores):
+    path = tmp_path / "scores.csv"
+    scores.write(path)
+    path.write_text(path.read_text().replace("ok", "diverged", 1))
+    with pytest.raises(DataError, match="scores.csv: not what was written; delete it"):
+        Scores.read(path)
 
 
 def test_scores_are_those_of_the_artefacts(collection, scores):

@@ -2,92 +2,14 @@
 cannot be left out.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-import xarray as xr
-from scenes import ELASTICITY, SLENDER, body, quadratic_body
+from ablated import DAMPING, INERTIA, LINEAR, STEPS, TIP, ZETA, ask, bent, outcomes
+from scenes import SLENDER, body, quadratic_body
 from scipy.integrate import solve_ivp
 
 from vibrom import effects
-from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
 from vibrom.bodies import space
-from vibrom.models import full_order, samples
-from vibrom.solvers.full.modes import eigenmodes
-from vibrom.solvers.full.newmark import Newmark
-from vibrom.solvers.full.static import equilibrium
-from vibrom.steps import structure, study
-
-# a period; the period error (2 pi/400)^2/12 = 2e-5 a radian is the same with and without an effect
-STEPS = 400
-ZETA = 0.01
-TIP = {"at": [1.0, 0.0], "direction": "y"}
-INERTIA, DAMPING = {"inertia": {"density": 440.0}}, {"rayleigh_damping": {"damping_ratio": ZETA}}
-LINEAR = {**INERTIA, "elasticity": ELASTICITY}
-
-
-def ask(
-    folder,
-    shape,
-    listed,
-    release,
-    forcing=1.0,
-    decay_periods=10,
-    forced_periods=20,
-    repeats=1,
-    **time,
-):
-    """The answers about this body; `release` gives the release state (n,) from its space and first
-    mode.
-    """
-    scene = {
-        "body": {**shape, "probes": {"tip": TIP}},
-        "effects": listed,
-        "experiments": {"forced": {"forcing": forcing}},
-        "time": {
-            "steps_per_period": STEPS,
-            "every": 4,
-            "alpha": 0.0,
-            "residual": 1e-8,
-            "initial_acceleration": "equilibrium",
-            **time,
-        },
-    }
-    paths = {name: str(folder / f"{name}.nc") for name in ("structure", "release", "output")}
-    structure.run(structure=paths["structure"], scene=scene, name="tested", provenance={})
-    made = open_dataset(paths["structure"], "structure")
-    start = release(made["mode_shape"].values[0], int(made["probe_dof"].values[0]))
-    states = xr.Dataset(
-        {"displacement": variable(("role", "dof"), start[None], "m", "release")},
-        coords={"role": variable("role", ["test"], "1", "role")},
-    )
-    save_dataset(label(states, "release", scene="tested", method="full_order"), paths["release"])
-    lengths = {
-        "decay_periods": decay_periods,
-        "forced_periods": forced_periods,
-        "timed_periods": 2,
-        "repeats": repeats,
-    }
-    study.run(
-        output=paths["output"],
-        study={"name": "ablation", "kind": "scene", "settings": lengths},
-        names={"scene": "tested", "method": "full_order", "seed": None},
-        case={"scene": scene},
-        structure=paths["structure"],
-        full_order=[paths["release"]],
-        provenance={},
-    )
-    return open_dataset(paths["output"], "ablation").isel(probe=0), made
-
-
-def bent(tip):
-    """The first mode, `tip` metres high at the tip: a linear body released from it moves in it."""
-    return lambda mode, at: tip * mode / mode[at]
-
-
-def outcomes(answers):
-    return dict(zip(answers["left_out"].values, answers["outcome"].values))
 
 
 @pytest.fixture(scope="module")
@@ -260,79 +182,5 @@ def test_without_elasticity_the_mass_flies(loaded):
     )  # nothing pulls it back; rounding lets it drift
 
 
-def test_without_gravity_the_body_starts_in_the_same_place_and_swings_about_another(tmp_path):
-    shape, listed = body(cells=[10, 1], height=0.1), {**LINEAR, "gravity": {}, "point_load": TIP}
-    answers, made = ask(tmp_path, shape, listed, bent(1e-4), decay_periods=3, forced_periods=1)
-    less, whole = answers.sel(left_out="gravity"), answers.sel(left_out="nothing")
-    assert float(less["decay_displacement"][0]) == pytest.approx(
-        float(whole["decay_displacement"][0]), rel=1e-12
-    )
-    # Both are linear: their distance d starts from zero under M d'' + K d = -p_0, the free
-    # vibration of the sag about itself.
-    term = effects.assemble(space.build({**shape, "probes": {}}), LINEAR)
-    loaded_term = effects.assemble(space.build({**shape, "probes": {}}), {**LINEAR, "gravity": {}})
-    sag, (omega,), steps = equilibrium(loaded_term), eigenmodes(term, 1)[0], 3 * STEPS
-    swinging = (
-        Newmark(tolerance=1e-8)
-        .run(term, sag[:, None], np.array([2 * np.pi / omega / STEPS]), steps)
-        .displacement[0, ::4]
-        - sag
-    )
-    size = (
-        1e-4
-        * np.linalg.norm(made["mode_shape"].values[0])
-        / abs(made["mode_shape"].values[0, int(made["probe_dof"].values[0])])
-    )
-    # The largest norm of a swing from rest is that of its start, up to what the time step misses of
-    # it.
-    assert float(less["decay_nmte"]) == pytest.approx(
-        100 * np.linalg.norm(swinging, axis=1).mean() / size, rel=1e-3
-    )
-    assert (
-        outcomes(answers)["elasticity"] == "no_equilibrium" and outcomes(answers)["gravity"] == "ok"
-    )
-
-
-def test_a_step_that_does_not_converge_is_an_outcome_of_the_body_that_took_it(
-    tmp_path, monkeypatch
-):
-    """One iteration is not enough of coarse steps; a linear body takes none."""
-    monkeypatch.setattr(
-        full_order, "Newmark", lambda *given: replace(Newmark(*given), max_iterations=1)
-    )
-    answers, _ = ask(
-        tmp_path,
-        body(cells=[20, 1]),
-        {**LINEAR, "geometric_nonlinearity": {}, "point_load": TIP},
-        bent(0.1),
-        steps_per_period=20,
-        decay_periods=2,
-        forced_periods=1,
-    )
-    found = outcomes(answers)
-    assert found["nothing"] == "no_convergence" and found["geometric_nonlinearity"] == "ok"
-    assert float(answers["failed_at"].sel(left_out="nothing")) > 0.0
-    linear = answers.sel(left_out="geometric_nonlinearity")
-    assert (
-        np.isnan(linear["decay_nmte"])
-        and np.isnan(linear["seconds_ratio"])
-        and float(linear["seconds_per_step"]) > 0.0
-    )
-
-
 def test_the_artefact_names_the_machine(oscillator):
     assert "cores" in oscillator[0].attrs["hardware"] and oscillator[0].attrs["repeats"] == 1
-
-
-def test_decays_on_a_scratch_file_have_the_errors_of_those_in_memory(tmp_path, monkeypatch):
-    """A beam under its weight, so that rest states differ; rounding is all that may."""
-    listed = {**LINEAR, **DAMPING, "gravity": {}}
-    found = []
-    for block in (samples.BLOCK, 1000):
-        monkeypatch.setattr(samples, "BLOCK", block)
-        lengths = {"decay_periods": 2, "forced_periods": 1}
-        answers, *_ = ask(tmp_path, body(cells=[6, 1]), listed, lambda mode, tip: mode, **lengths)
-        found.append(answers["decay_nmte"].values)
-    one, other = found
-    assert np.nanmax(one) > 1.0
-    np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9)

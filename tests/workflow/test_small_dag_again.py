@@ -103,6 +103,8 @@ def test_experiments_that_are_not_asked_or_read_others_are_not_in_the_shared_job
     path.write_text("experiments: [decay]\nstudies: null\n")
     jobs = small.planned("--forceall", "scores", overlays=(str(path),))
     assert jobs["decay"] == len(SEEDED + FITTED_ONCE) and not ASKED & set(jobs)
+    jobs = small.planned("--forceall", "tables", overlays=(str(path),))
+    assert not {"full_order_forced", "full_order_frc"} & set(jobs)
 
 
 def test_a_part_of_the_scene_runs_only_what_reads_it(small):

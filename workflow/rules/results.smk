@@ -10,6 +10,7 @@ rule scores:
         predictions=SCORED,
     output:
         scores="<results>/scores.csv",
+        digest="<results>/scores.csv.digest",
     log:
         "<logs>/scores.log",
     conda:

@@ -18,8 +18,8 @@ from vibrom.bodies import space
 from vibrom.config.scene import Time
 from vibrom.models.balance import Ledger
 from vibrom.models.model import Drive, Motion, Push, Watch
-from vibrom.models.parked import room
 from vibrom.models.recorded import damped_frequency
+from vibrom.models.scratch import room
 from vibrom.models.training import Unsupported
 from vibrom.solvers.full.batch import Further
 from vibrom.solvers.full.newmark import Motion as SolverMotion
@@ -139,9 +139,9 @@ class FullOrder:
         places = [steps_of(watch.instants, step) for watch in watches]
         last = max(int(place[-1]) for place in places)
         record = _record(watches, places, last)
-        parked = room(runs, record, last, self.rest)
-        run, balance = self.balanced(start, step, last, replace(record, sink=parked), drive)
-        whole = run.displacement if parked is None else parked.variable
+        scratch = room(runs, record, last, self.rest)
+        run, balance = self.balanced(start, step, last, replace(record, sink=scratch), drive)
+        whole = run.displacement if scratch is None else scratch.variable
         displacement = tuple(
             whole[:, np.searchsorted(run.kept, place)]
             if watch.dofs is None

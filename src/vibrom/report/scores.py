@@ -17,15 +17,19 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from vibrom.artefacts.files import DataError, write
 from vibrom.artefacts.identity import FITTED_ONCE
 from vibrom.artefacts.outcome import Outcome, Tally
 from vibrom.config import plugs
+from vibrom.config.digest import digest
 from vibrom.config.places import UNSEEDED
 from vibrom.report.collection import Collection, Key, outcome
 
 # Scores of the experiment run_times.
 OFFLINE = ("generate_training_data_s", "obtain_mapping_s", "obtain_dynamics_s")
 ONLINE = ("decay_s", "forced_s", "frc_s")
+
+DIGEST = ".digest"  # of the file beside scores.csv
 
 BALANCE = "balance"  # under this name stand the work balances, each of a run:
 UNDER_SIGNALS = ("response", "random_forcing")
@@ -108,7 +112,14 @@ class Scores:
 
     @classmethod
     def read(cls, path: str | Path) -> Scores:
-        """Those that `to_csv` wrote."""
+        """Those that `write` wrote; raises `DataError` where the file is another one by now."""
+        try:
+            written = Path(f"{path}{DIGEST}").read_text(encoding="utf-8").split()[0]
+            kept = digest(Path(path)) == written
+        except (OSError, IndexError):
+            kept = False
+        if not kept:
+            raise DataError(f"{path}: not what was written; delete it and run again")
         table = pd.read_csv(path, dtype=str, keep_default_na=False)  # a scene may be called NA
         found = (Score(*row[:-1]) for row in table.itertuples(index=False))
         return cls(
@@ -121,14 +132,15 @@ class Scores:
             for score, total in zip(found, table["endings"])
         )
 
-    def to_csv(self) -> str:
-        """A row a number: the fields of `Score`, values to the last digit, and how many endings the
-        outcome counts.
+    def write(self, path: str | Path) -> None:
+        """As csv, a row a number: the fields of `Score`, values to the last digit, and how many
+        endings the outcome counts. Beside it stands its digest.
         """
         named = [row._replace(seed=UNSEEDED if row.seed is None else row.seed) for row in self.rows]
         table = pd.DataFrame(named, columns=list(Score._fields))
         table["endings"] = [row.outcome.total() for row in self.rows]
-        return table.to_csv(index=False)
+        write(path, table.to_csv(index=False))
+        write(f"{path}{DIGEST}", f"{digest(Path(path))}\n")
 
     def of_experiment(
         self, scene: str, method: str, experiment: str, metric: str | None = None

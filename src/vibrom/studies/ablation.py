@@ -28,8 +28,8 @@ from vibrom.config.plugs import in_order
 from vibrom.models.full_order import FullOrder
 from vibrom.models.measures import crossings, nmte_percent
 from vibrom.models.model import Drive
-from vibrom.models.parked import room
 from vibrom.models.recorded import released
+from vibrom.models.scratch import room
 from vibrom.solvers.full import static
 from vibrom.solvers.full.modes import eigenmodes, linearised
 from vibrom.solvers.full.newmark import Motion, Record
@@ -221,8 +221,8 @@ def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], A
     if body.term.mass is None or not body.term.mass.diagonal().all():
         return body, record | static_response(body, runs.forcing), None
     keep = Record(every=runs.every, probes=body.probes)
-    parked = room(1, keep, runs.decay_steps, runs.whole.rest)
-    decay = runs.decay(body, runs.decay_steps, replace(keep, sink=parked))
+    scratch = room(1, keep, runs.decay_steps, runs.whole.rest)
+    decay = runs.decay(body, runs.decay_steps, replace(keep, sink=scratch))
     away = body.rest - runs.whole.rest
     watched, motions = decay.probes[0], [decay]
     record |= {
@@ -246,7 +246,7 @@ def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], A
             record["outcome"] = ended
             record["failed_at"] = np.fmin(record.get("failed_at", np.nan), motion.failed_at[0])
     went_all_the_way = Outcome(decay.outcomes[0]).has_value
-    seen = decay.displacement[0] + away if parked is None else parked.variable[0]
+    seen = decay.displacement[0] + away if scratch is None else scratch.variable[0]
     return body, record, seen if went_all_the_way else None
 
 

@@ -20,12 +20,15 @@ def read(path: Path) -> Content:
         if path.exists() and not path.is_file():
             raise Unreadable("it is no file")
         return READERS.get(path.suffix.lower(), foreign.read)(path)
-    except Unreadable as error:
-        why = str(error)
-    except OSError as error:
-        why = error.strerror or str(error)
-    except ImportError as error:
-        why = f"that takes the package {error.name}, which is not installed; export .msh or .inp"
-    except Exception:  # whatever a reader meets in a file that is not what it seems
-        why = DAMAGED
-    raise SceneError(f"body.mesh = {path} cannot be read: {why}")
+    except Exception as error:  # whatever a reader meets in a file that is not what it seems
+        raise SceneError(f"body.mesh = {path} cannot be read: {_why(error)}") from error
+
+
+def _why(error: Exception) -> str:
+    if isinstance(error, Unreadable):
+        return str(error)
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, ImportError):
+        return f"that takes the package {error.name}, which is not installed; export .msh or .inp"
+    return DAMAGED

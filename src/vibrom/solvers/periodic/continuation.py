@@ -53,7 +53,7 @@ class Pace:
     smallest: float = 1e-5
     turn: float = 0.25  # rad, that the tangent may turn in a step
     tolerance: float = 1e-6  # of the last correction, which is still made
-    exact: float = 1e-5  # the same of Newton's method, of which some squares of it are left
+    exact: float = 1e-5  # the same of Newton's method, after which about its square is left
     near: float = 1e-4  # of the derivative's own point to the solution
     iterations: int = 16
     few: int = 9  # evaluations up to which a step may grow

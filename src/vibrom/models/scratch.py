@@ -23,7 +23,7 @@ from vibrom.solvers.full.motion import Record
 
 
 @dataclass(eq=False)
-class Parked(BackendArray):
+class OnScratch(BackendArray):
     """Displacements (b, m, n) [m] from `rest`; a `Sink`."""
 
     shape: tuple[int, int, int]
@@ -78,7 +78,7 @@ class Parked(BackendArray):
         return xr.Variable(("run", "time", "dof"), indexing.LazilyIndexedArray(self))
 
 
-def room(runs: int, record: Record, steps: int, rest: np.ndarray) -> Parked | None:
+def room(runs: int, record: Record, steps: int, rest: np.ndarray) -> OnScratch | None:
     """For what is kept of so many runs of a body; None where memory holds it easily."""
     count = len(range(record.start, steps + 1, record.every))
     size = 8 * runs * count * len(rest)
@@ -92,4 +92,4 @@ def room(runs: int, record: Record, steps: int, rest: np.ndarray) -> Parked | No
             f"scratch file, and {free / GIB:.3g} GiB are free in {folder}; set TMPDIR to a folder "
             "of a larger disk, or lower periods, steps_per_period or body.cells"
         )
-    return Parked((runs, count, len(rest)), rest)
+    return OnScratch((runs, count, len(rest)), rest)

@@ -13,7 +13,7 @@ from vibrom.artefacts.data import label, open_dataset, save_dataset
 from vibrom.artefacts.hardware import TooLarge
 from vibrom.experiments.forced import Forced
 from vibrom.experiments.response import Response
-from vibrom.models import balance, parked, samples
+from vibrom.models import balance, samples, scratch
 from vibrom.models.model import Drive, Watch
 from vibrom.solvers.full.newmark import Record
 from vibrom.term import Term
@@ -37,7 +37,7 @@ SLICES = {
 def test_a_slice_of_the_file_is_that_of_the_array(part, monkeypatch):
     monkeypatch.setattr(samples, "BLOCK", 8 * 4 * 3)  # three rows
     rest = RNG.standard_normal(4)
-    made = parked.room(2, Record(), 29, rest)
+    made = scratch.room(2, Record(), 29, rest)
     for first in (0, 11):  # as a time loop shows them: some steps of some runs
         steps = np.arange(first, 11 if first == 0 else 30)
         shown = (Q + rest)[:, steps].transpose(1, 2, 0)
@@ -52,9 +52,9 @@ def test_a_slice_of_the_file_is_that_of_the_array(part, monkeypatch):
 
 
 def test_small_motions_are_in_memory_and_too_large_ones_are_refused_in_a_line(monkeypatch):
-    assert parked.room(1, Record(), 100, np.zeros(4)) is None
+    assert scratch.room(1, Record(), 100, np.zeros(4)) is None
     with pytest.raises(TooLarge, match="scratch file.*TMPDIR"):
-        parked.room(1, Record(), 10**9, np.zeros(10**6))
+        scratch.room(1, Record(), 10**9, np.zeros(10**6))
 
 
 @pytest.mark.parametrize("runs", [1, 3])
