@@ -15,6 +15,16 @@ def test_snakemake_has_nothing_to_say_about_the_rules():
     assert answer.returncode == 0, answer.stdout + answer.stderr
 
 
+def test_slurm_gets_all_that_ends_a_run_together():
+    """The profile names rules, some of which are made from what tables and figures are there."""
+    listed = set(command(ROOT, "--list", PYTHONPATH=str(ROOT / "src")).stdout.split())
+    profile = yaml.safe_load((ROOT / "profiles/slurm/profile.yaml").read_text())
+    named = dict(item.split("=") for item in profile["groups"])
+    assert named.keys() <= listed
+    made = {name for name in listed if re.search("_(tables|figures)(_of_scene.*)?$", name)}
+    assert len(made) > 8 and made <= {name for name in named if named[name] == "results"}
+
+
 def test_the_environment_of_conda_has_the_packages_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     extras = [

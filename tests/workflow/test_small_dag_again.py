@@ -14,7 +14,7 @@ from vibrom.report import outputs
 
 ASKED = {"answers", "curves"}  # the jobs in which those are asked of a model
 ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures_of_scene"}
-COST = {"cost_models", "cost_tables", "cost_figures"}
+COST = {"cost_models", "cost_tables", "cost_figures_of_scene"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "models_figures_of_scene"}
 SINKS |= {"report", "tracking", "crate", "headline", "all"}
@@ -131,7 +131,7 @@ def test_the_study_of_costs_is_a_target_of_its_own(small):
         "cost_scene": 1,
         "cost_models": 1,
         "cost_tables": 1,
-        "cost_figures": 1,
+        "cost_figures_of_scene": 1,
         "cost": 1,
     }
 
