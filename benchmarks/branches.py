@@ -20,8 +20,8 @@ from benchmarks.table import Row, paired
 from vibrom.artefacts.data import open_dataset
 from vibrom.experiments import Given
 from vibrom.experiments.branches import Branches
+from vibrom.models.curves import curve_of
 from vibrom.models.full_order import FullOrder
-from vibrom.models.motions import curve_of
 from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
 from vibrom.models.rom import rom_from_dataset

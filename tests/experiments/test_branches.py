@@ -11,7 +11,7 @@ from vibrom.experiments.branches import Branches
 from vibrom.experiments.resonance import Resonance
 from vibrom.experiments.s_curve import SCurve
 from vibrom.experiments.sweeps import Sweeps
-from vibrom.models.motions import curve_of
+from vibrom.models.curves import curve_of
 from vibrom.models.rollout import Integrator
 
 FORCING = 0.06

@@ -12,12 +12,16 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+import xarray as xr
 
 from vibrom.solvers.periodic.stability import Kind
 
 NAMES = ("branch", "parameter", "amplitude", "stable", "kind")
 SAMPLES = 200  # of each part of a branch between two landmarks
+DRIVE = {  # of the forcing: unit and meaning
+    "angular_frequency": ("rad s-1", "angular frequency of the forcing"),
+    "forcing": ("1", "amplitude of the forcing, times the scene's load"),
+}
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,19 @@ class Curve:
     def peak(self) -> int:
         """Place of the largest amplitude."""
         return int(np.argmax(self.amplitude))
+
+
+def parameter(answer: xr.Dataset | dict[str, xr.Variable]) -> str:
+    """What varies along the curve."""
+    return next(name for name in DRIVE if answer[name].ndim)
+
+
+def curve_of(answer: xr.Dataset, amplitude: np.ndarray | None = None) -> Curve:
+    """The curve of these amplitudes (m,) [m]; if none are given, of the first probe."""
+    names = ("branch", parameter(answer), "stable", "kind")
+    branch, varies, stable, kind = (answer[name].values for name in names)
+    shown = answer["maximum"].values[0] if amplitude is None else amplitude
+    return Curve(branch, varies, shown, stable.astype(bool), kind.astype(str))
 
 
 @dataclass(frozen=True)
@@ -169,6 +186,8 @@ def _lengths(curve: Curve, size: np.ndarray) -> np.ndarray:
 
 def _sampled(curve: Curve, size: np.ndarray, share: np.ndarray) -> np.ndarray:
     """The amplitude at these parts of the arclength."""
+    from scipy.interpolate import Akima1DInterpolator  # slow to import, and few compare
+
     length = _lengths(curve, size)
     kept = np.append(True, np.diff(length) > 0.0)
     if kept.sum() < 3:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from vibrom.artefacts.data import variable
 from vibrom.artefacts.outcome import Outcome
-from vibrom.models.curves import Curve, difference
+from vibrom.models.curves import DRIVE, curve_of, difference, parameter
 from vibrom.models.measures import periodic, range_variable, response_variables
 from vibrom.models.rollout import MARGIN
 from vibrom.solvers.periodic.continuation import Pace
@@ -25,10 +25,6 @@ from vibrom.solvers.periodic.stability import Kind, leading_first
 Second = Callable[[np.ndarray, float, float], Opinion | None]  # of x, frequency and amplitude
 
 HARMONICS = 8  # 0 to 7 are kept
-DRIVE = {  # of the forcing: unit and meaning
-    "angular_frequency": ("rad s-1", "angular frequency of the forcing"),
-    "forcing": ("1", "amplitude of the forcing, times the scene's load"),
-}
 
 
 def motions(
@@ -67,19 +63,6 @@ def motions(
         "grid": variable("grid", grid, unit, f"{varies}, where stable motions are counted"),
     }
     return xr.Dataset(rows, coords=coords)
-
-
-def parameter(answer: xr.Dataset | dict[str, xr.Variable]) -> str:
-    """What varies along the curve."""
-    return next(name for name in DRIVE if answer[name].ndim)
-
-
-def curve_of(answer: xr.Dataset, amplitude: np.ndarray | None = None) -> Curve:
-    """The curve of these amplitudes (m,) [m]; if none are given, of the first probe."""
-    names = ("branch", parameter(answer), "stable", "kind")
-    branch, varies, stable, kind = (answer[name].values for name in names)
-    shown = answer["maximum"].values[0] if amplitude is None else amplitude
-    return Curve(branch, varies, shown, stable.astype(bool), kind.astype(str))
 
 
 def errors(answer: xr.Dataset, truth: xr.Dataset, varies: str) -> dict[str, float]:

@@ -3,8 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from vibrom.models.curves import Curve
-from vibrom.models.motions import curve_of
+from vibrom.models.curves import Curve, curve_of
 from vibrom.models.recorded import damped_frequency
 from vibrom.report.collection import FULL_ORDER, Collection, answered, at_probe
 
