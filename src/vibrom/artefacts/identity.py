@@ -12,6 +12,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,12 @@ def made_from(inputs: Mapping[str, Any]) -> str:
 
 
 def _content_of(path: str) -> str:
+    return _content_as_of(path, Path(path).stat().st_mtime_ns)
+
+
+@cache
+def _content_as_of(path: str, _written: int) -> str:
+    """Read once: a plan asks for that of a structure a hundred times."""
     if path.endswith(".nc") and (written := attributes_of(path).get("content")):
         return str(written)
     return digest(Path(path))
