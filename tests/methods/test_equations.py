@@ -1,14 +1,11 @@
 """A model from the equations alone, against closed forms, the full order and its own residual."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray as xr
 from few_dofs import TWO_MASS, cubic_coupling, square_coupling, two
 from scenes import THESIS, UNDAMPED, body, quadratic_body
 from scipy.integrate import solve_ivp
-from scipy.sparse import block_diag
 
 from vibrom import effects
 from vibrom.bodies import space
@@ -242,31 +239,6 @@ def test_the_search_for_the_trusted_amplitude():
 def test_action_coordinates_and_ratios_reach_farther_than_series(beam, rom):
     series = fitted(beam, order=9, beyond="taylor")
     assert rom.reach[0] > 1.05 * series.reach[0]
-
-
-@pytest.mark.parametrize("beyond", ["orbits", "shooting"])
-def test_orbits_reach_farther_than_ratios(beam, rom, beyond):
-    """At the same large amplitude they obey the equations better, at small ones well enough."""
-    farther = fitted(beam, order=9, beyond=beyond)
-    assert farther.reach[0] > rom.reach[0]
-    residual, far = Residual(beam), ellipse(rom.reach, 0, 1.3)
-    assert equation_error(residual, farther, far) < 0.5 * equation_error(residual, rom, far)
-    assert equation_error(residual, farther, ellipse(rom.reach, 0, 0.3)) < 1e-3
-    z = ellipse(rom.reach, 0, 0.8)
-    pushed = [model.force_map(z, beam.load) / rom.reach for model in (rom, farther)]
-    np.testing.assert_allclose(pushed[1], pushed[0], atol=0.02 * abs(pushed[0]).max())
-
-
-@pytest.mark.parametrize("other", [{"style": "graph"}, {"force": "invariance"}, {"modes": (1, 2)}])
-def test_orbits_are_those_of_one_mode_in_normal_form(other):
-    with pytest.raises(MethodError, match="beyond: pade"):
-        Equations(beyond="orbits", **other)
-
-
-def test_a_large_body_is_not_shot(beam):
-    large = replace(beam, mass=block_diag([beam.mass] * 50, format="csr"))
-    with pytest.raises(MethodError, match="choose orbits"):
-        fitted(large, beyond="shooting")
 
 
 def test_a_motion_beyond_the_reach_says_so(rom):

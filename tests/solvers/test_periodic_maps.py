@@ -230,3 +230,25 @@ def test_what_a_load_adds_beside_a_manifold_is_in_the_motion_over_a_period():
         .displacement
     )
     assert np.abs(swing - alone).max() > 0.005
+
+
+def test_a_derivative_along_some_shapes_is_that_part_of_the_whole():
+    """dH/dx P P' and d(in phase)/dx P P', of shapes that are any; along frequency and amplitude
+    nothing changes.
+    """
+    flow, n = beam(), beam().term.size
+    shapes = np.random.default_rng(5).standard_normal((n, 4))
+    some = flow.only(shapes)
+    x = flow(np.zeros(2 * n), 1500.0, 2e4, derivative=False).end
+    whole, part = flow(x, 1500.0, 2e4), some(x, 1500.0, 2e4)
+    p = np.zeros((2 * n, 8))
+    p[:n, :4], p[n:, 4:] = some.along
+    np.testing.assert_allclose(p.T @ p, np.eye(8), atol=1e-12)
+    np.testing.assert_allclose(part.end, whole.end, atol=1e-9 * np.abs(whole.end).max())
+    for name in ("by_start", "by_frequency", "by_amplitude", "in_phase_by"):
+        own, all_of_it = getattr(part, name), getattr(whole, name)
+        if name == "by_start":
+            all_of_it = all_of_it @ p @ p.T
+        elif name == "in_phase_by":
+            all_of_it = np.append(all_of_it[:-2] @ p @ p.T, all_of_it[-2:])
+        np.testing.assert_allclose(own, all_of_it, rtol=0.0, atol=1e-9 * np.abs(all_of_it).max())

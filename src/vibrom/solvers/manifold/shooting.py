@@ -5,7 +5,8 @@
 The steps damp numerically, the more the faster a harmonic is, so that harmonics which meet higher
 frequencies of the body pass them; a small force a, along the mode phi and at phase resonance,
 replaces what they take (`solvers.periodic.resonance`). Nothing limits the harmonics but the steps,
-which lose (w h)^2/24 of a frequency. A derivative over a period costs as many columns as there are
+which lose (w h)^2/24 of a frequency. A derivative over a period is taken along the lowest modes of
+small motions, as faster ones are damped away within it; its matrices are still as wide as there are
 displacements and velocities: this is for bodies of some hundred displacements.
 """
 
@@ -16,6 +17,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from vibrom.solvers.full.modes import eigenmodes
 from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.manifold.orbits import Orbits
 from vibrom.solvers.periodic import continuation
@@ -27,6 +29,7 @@ from vibrom.term import Term
 STEPS, DAMPING = 300, 0.05  # to a period; Newmark's alpha
 TURN, SCALE = 0.5, 60.0  # rad; of the first force, which grows by far
 TRIES, MOST = 4, 60  # motions from which it may begin; motions at most
+MODES = 50  # along which derivatives are taken
 
 
 def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: float) -> Orbits:
@@ -39,6 +42,8 @@ def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: f
     bare = replace(term, damping=None, load=push)
     newmark, probes = Newmark(alpha=DAMPING), np.zeros(1, np.int64)
     flow = NewmarkMap(bare, newmark, STEPS, frequency, probes, np.array(rest))
+    if term.size > MODES:
+        flow = flow.only(eigenmodes(term, MODES).shape.T)
     found: list[tuple[float, complex, np.ndarray]] = []
     with threadpool_limits(limits=1, user_api="blas"):
         try:

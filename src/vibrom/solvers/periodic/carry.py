@@ -129,25 +129,30 @@ def _factors(
     parts = np.stack([banded.to_band(part, half) for part, _ in linear])
     scales = np.stack([np.full(WIDE, scale) for _, scale in linear])
     slots = [banded.band_slots(force.dofs, half, force.symmetric) for force in term.forces]
+    forces = list(zip(term.forces, slots))
+    dragging = [each for each in forces if not each[0].conservative]  # a potential has no df/dv
     band = room(n * (half + 1), WIDE).reshape(n, half + 1, WIDE)
     values = band.reshape(-1, WIDE)
-    factors, drag = np.empty((steps, n, half + 1)), np.zeros((steps, n, half + 1))
+
+    def add(some, q, v, by_displacement: float, by_speed: float) -> None:
+        both = np.full(WIDE, by_displacement), np.full(WIDE, by_speed)
+        for force, slot in some:
+            force.kernels(WIDE)[1](q, v, force.dofs, force.table, slot, *both, values)
+
+    factors = np.empty((steps, n, half + 1))
+    drag = np.zeros((steps, n, half + 1) if dragging else (0, 0, 0))
     for first in range(0, steps, WIDE):
         chosen = np.minimum(np.arange(first, first + WIDE), steps - 1)
-        live = min(WIDE, steps - first)
+        live = slice(first, first + WIDE), slice(min(WIDE, steps - first))
         q, v = (np.ascontiguousarray(part[chosen + 1].T) for part in (displacement, velocity))
-
-        for by, target in (((0.0, 1.0), drag), ((by_q, by_v), factors)):
-            if target is drag:
-                band[:] = 0.0
-            else:
-                combine(parts, scales, band)
-            both = [np.full(WIDE, scale) for scale in by]
-            for force, slot in zip(term.forces, slots):
-                force.kernels(WIDE)[1](q, v, force.dofs, force.table, slot, *both, values)
-            if target is factors:
-                factorise(band)
-            target[first : first + live] = band.transpose(2, 0, 1)[:live]
+        if dragging:
+            band[:] = 0.0
+            add(dragging, q, v, 0.0, 1.0)
+            drag[live[0]] = band.transpose(2, 0, 1)[live[1]]
+        combine(parts, scales, band)
+        add(forces, q, v, by_q, by_v)
+        factorise(band)
+        factors[live[0]] = band.transpose(2, 0, 1)[live[1]]
     return factors, drag if drag.any() else np.zeros((0, 0, 0))
 
 

@@ -50,7 +50,7 @@ class Coordinates:
         return Tangent(self.term, (SHIFT * self.frequency) ** 2, 0.0, 1.0)
 
     @cached_property
-    def _root(self) -> np.ndarray:
+    def root(self) -> np.ndarray:
         """R/10, an upper triangle."""
         stiffness = self._at(self.rest).toarray()
         return cholesky(0.5 * (stiffness + stiffness.T)) / SHIFT
@@ -73,7 +73,7 @@ class Coordinates:
     def of(self, q: np.ndarray) -> np.ndarray:
         """The coordinates (n,) of a displacement (n,) [m]."""
         self.near[:] = [q]
-        return solve_triangular(self._root, self._force(q), trans="T") / SHIFT**2
+        return solve_triangular(self.root, self._force(q), trans="T") / SHIFT**2
 
     def to(self, y: np.ndarray) -> np.ndarray:
         """The displacement (n,) [m] of y, from that of the last search or, if that is too far, from
@@ -91,7 +91,7 @@ class Coordinates:
 
     def _search(self, y: np.ndarray, q: np.ndarray) -> np.ndarray:
         """The displacement (n,) of y by Newton's iteration from q (n,). Raises NoState."""
-        force = SHIFT**2 * (self._root.T @ y)
+        force = SHIFT**2 * (self.root.T @ y)
         for _ in range(ROUNDS):
             state = np.ascontiguousarray(q[:, None])
             factor = self._tangent.factor(state, np.zeros_like(state))
@@ -106,10 +106,10 @@ class Coordinates:
 
     def slope(self, q: np.ndarray, change: np.ndarray) -> np.ndarray:
         """Changes of y (n, c) that go with changes of the displacement (n, c) at q."""
-        return solve_triangular(self._root, self._at(q) @ change, trans="T") / SHIFT**2
+        return solve_triangular(self.root, self._at(q) @ change, trans="T") / SHIFT**2
 
-    def axes(self, q: np.ndarray) -> np.ndarray:
-        """Changes of the displacement (n, n) at q, one for each coordinate."""
+    def axes(self, q: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Changes of the displacement (n, c) at q that go with changes `along` (n, c) of y."""
         state = np.ascontiguousarray(q[:, None])
         factor = self._tangent.factor(state, np.zeros_like(state))
-        return factor.solve(SHIFT**2 * np.ascontiguousarray(self._root.T))
+        return factor.solve(SHIFT**2 * np.ascontiguousarray(self.root.T @ along))

@@ -7,6 +7,10 @@ with the coordinates y of `coordinates`, so that |x|^2 is a kinetic energy in si
 the motion of the steps themselves, numerical damping included: long time marching with the same
 steps ends on it.
 
+A derivative by all of x costs 2n motions beside the first. What is fast is damped away within the
+period, so that one along the slow directions P alone, dH/dx P P', still leads to the motion, in
+some more corrections; multipliers want the whole.
+
 A guess that still stretches the body too much begins with an acceleration that the steps do not
 survive. It starts without one instead, which is rough: right to (Omega h)^2/4, and enough for a
 first correction.
@@ -18,7 +22,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.linalg import block_diag, cho_solve, cholesky, solve_triangular
 
 from vibrom.solvers.full.newmark import Motion, Newmark, Record
 from vibrom.solvers.full.tangent import Tangent
@@ -44,6 +48,9 @@ class NewmarkMap:
     rest: np.ndarray  # (n,) m
     symmetry: Symmetry | None = None
     free: bool = False  # the derivative costs several times the value
+    # P (n, k) of displacements and of velocities, orthonormal, whose changes the derivative knows;
+    # None: all
+    along: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def parts(self) -> int:
@@ -85,6 +92,12 @@ class NewmarkMap:
         y, v = np.split(x, 2)
         q = self._coordinates.to(y) - self.rest
         return np.concatenate([q, solve_triangular(self._root, v)])
+
+    def only(self, shapes: np.ndarray) -> NewmarkMap:
+        """This with derivatives by displacements and velocities in these shapes (n, k) alone."""
+        displacement, _ = np.linalg.qr(self._coordinates.root @ shapes)
+        velocity, _ = np.linalg.qr(self._root @ shapes)
+        return replace(self, along=(displacement, velocity))
 
     @property
     def load(self) -> np.ndarray:
@@ -212,13 +225,15 @@ class NewmarkMap:
         return np.concatenate([self.symmetry(part) for part in np.split(state, 2)])
 
     def _axes(self, q: np.ndarray, v: np.ndarray, still: bool) -> np.ndarray:
-        """Changes (3, n, 2n + 2) of displacement, velocity and acceleration at the start: one for
-        each coordinate of x, none for frequency and amplitude.
+        """Changes (3, n, 2k + 2) of displacement, velocity and acceleration at the start: one for
+        each direction of x, none for frequency and amplitude.
         """
         n = self.term.size
-        start = np.zeros((3, n, 2 * n + 2))
-        start[0, :, :n] = self._coordinates.axes(q)
-        start[1, :, n : 2 * n] = solve_triangular(self._root, np.eye(n))
+        displacement, velocity = self.along or (np.eye(n), np.eye(n))
+        k = displacement.shape[1]
+        start = np.zeros((3, n, 2 * k + 2))
+        start[0, :, :k] = self._coordinates.axes(q, displacement)
+        start[1, :, k : 2 * k] = solve_triangular(self._root, velocity)
         if not still:
             at = q[:, None], v[:, None]
             pull = sum(tangent.at(*at) @ change for tangent, change in zip(self._tangents, start))
@@ -235,5 +250,10 @@ class NewmarkMap:
         q, v = np.split(self._turned(np.concatenate([*changes])), 2)
         at = self.rest + end[: self.term.size]
         ends = np.concatenate([self._coordinates.slope(at, q), self._root @ v])
-        slopes = ends[:, :-2], ends[:, -2], ends[:, -1], seen
+        by_start = ends[:, :-2]
+        if self.along:
+            along = block_diag(*self.along)
+            by_start = by_start @ along.T
+            seen = np.append(along @ seen[:-2], seen[-2:])
+        slopes = by_start, ends[:, -2], ends[:, -1], seen
         return dict(zip(("by_start", "by_frequency", "by_amplitude", "in_phase_by"), slopes))
