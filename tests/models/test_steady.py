@@ -1,7 +1,10 @@
 """Steady or not: a damped oscillator whose transient is known."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import yaml
 from oscillators import DAMPING, OMEGA, linear_rom
 
 from vibrom.artefacts.outcome import Outcome
@@ -12,6 +15,7 @@ from vibrom.models.reduced import Reduced
 from vibrom.models.rollout import Integrator
 from vibrom.models.steady import change, judged, strobe
 
+SCENES = Path(__file__).parents[2] / "config/scenes"
 ZETA = DAMPING / (2 * OMEGA)
 DAMPED = OMEGA * np.sqrt(1 - ZETA**2)
 
@@ -86,3 +90,17 @@ def test_a_run_of_one_period_has_instants_of_its_own():
 @pytest.mark.parametrize("question", [Forced, ResponseCurve])
 def test_experiments_take_a_tolerance(question):
     assert question(forcing=1.0).steady == 0.001
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.yaml")), ids=lambda path: path.stem)
+def test_forced_runs_of_the_scenes_last_until_they_are_steady(path):
+    """c = a exp(-3/4 2 pi zeta N) of N periods, where the transient of a run from rest that is off
+    resonance is up to a = 3 times the response; damping by the stiffness would only add to it.
+    """
+    scene = yaml.safe_load(path.read_text())
+    ratio = scene["effects"]["rayleigh_damping"]["damping_ratio"]
+    for kind in (Forced, ResponseCurve):
+        asked = scene["experiments"].get(kind.__module__.rpartition(".")[2])
+        if asked:
+            left = 3.0 * np.exp(-1.5 * np.pi * ratio * asked["periods"])
+            assert left < kind(**asked).steady, asked
