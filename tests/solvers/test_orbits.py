@@ -10,6 +10,7 @@ from few_dofs import SPRING, duffing
 from scipy.integrate import quad
 from scipy.sparse import csr_matrix
 
+from vibrom.solvers.manifold import shooting
 from vibrom.solvers.manifold.orbits import Family, Orbits, fitted, follow, turning
 from vibrom.solvers.manifold.parametrisation import parametrise
 from vibrom.solvers.manifold.shooting import shoot
@@ -116,6 +117,24 @@ def test_shooting_that_cannot_begin_finds_nothing():
     values = np.full((5, len(ANGLE), 1), 1e3) * np.cos(ANGLE)[:, None]
     begun = Orbits(np.linspace(0.1, 0.2, 5), 1j * np.ones(5), values)
     assert len(shoot(oscillator(), np.zeros(1), np.ones(1), begun, 1.0).action) == 0
+
+
+def test_a_branch_that_leads_back_is_not_followed(monkeypatch):
+    """A resonance within the body turns the action; a dip of a thousandth is passed."""
+    roots, asked = [0.5, 0.9, 0.8995, 1.0, 1.1, 1.095, 1.05, 1.2, 1.3], []
+
+    def measured(problem, term, point, begun):
+        asked.append(point)
+        return roots[point], 1j, begun.values[-1]
+
+    monkeypatch.setattr(shooting, "_begin", lambda flow, begun: (None, 0, None))
+    monkeypatch.setattr(shooting, "_measured", measured)
+    monkeypatch.setattr(shooting.continuation, "walk", lambda *_: iter(range(1, len(roots))))
+    values = np.cos(ANGLE)[None, :, None]
+    begun = Orbits(np.array([0.36]), np.array([1j]), values)
+    found = shoot(oscillator(), np.zeros(1), np.ones(1), begun, 2.0)
+    np.testing.assert_allclose(np.sqrt(found.action), [0.9, 1.0, 1.1])
+    assert asked == list(range(7))  # as far as 1.05
 
 
 def test_differences_of_a_trigonometric_polynomial_are_exact():

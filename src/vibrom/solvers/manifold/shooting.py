@@ -30,11 +30,13 @@ STEPS, DAMPING = 300, 0.05  # to a period; Newmark's alpha
 TURN, SCALE = 0.5, 60.0  # rad; of the first force, which grows by far
 TRIES, MOST = 4, 60  # motions from which it may begin; motions at most
 MODES = 50  # along which derivatives are taken
+BACK = 0.99  # of the largest root of the action; a branch that falls below it leads back
 
 
 def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: float) -> Orbits:
     """The motions beyond those of `begun`, whose values are displacements from `rest` (n,), as far
-    as the root of the action `last`, or as far as they can be followed; none where none is found.
+    as the root of the action `last`, or as far as they can be followed with a growing action, which
+    an internal resonance may turn back; none where none is found.
     """
     push = term.mass @ mode
     push *= -np.sign(push @ begun.values[-1, 0]) / np.sqrt(mode @ push)
@@ -49,12 +51,17 @@ def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: f
         try:
             problem, point, pace = _begin(flow, begun)
             walk = continuation.walk(problem, point, pace)
-            while len(found) < MOST and (not found or found[-1][0] < last):
+            highest = 0.0
+            while len(found) < MOST and highest < last:
                 found.append(_measured(problem, term, point, begun))
+                highest = max(highest, found[-1][0])
+                if found[-1][0] < BACK * highest:
+                    break
                 point = next(walk)
         except Lost:
             pass
-    kept = [item for item in found if begun.action[-1] < item[0] ** 2]
+    above = np.maximum.accumulate([np.sqrt(begun.action[-1]), *(root for root, _, _ in found)])
+    kept = [item for item, before in zip(found, above) if item[0] > before]
     count = begun.values.shape[1]
     return Orbits(
         np.array([root for root, _, _ in kept]) ** 2,
