@@ -15,9 +15,11 @@ from vibrom import effects
 from vibrom.bodies import space
 from vibrom.models.model import Drive, Watch
 from vibrom.models.rollout import Integrator
+from vibrom.solvers.full.newmark import Newmark
 from vibrom.solvers.periodic import symmetry
 from vibrom.solvers.periodic.coordinates import NoState
 from vibrom.solvers.periodic.equations import from_rest
+from vibrom.solvers.periodic.newmark_map import NewmarkMap
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -88,6 +90,25 @@ def test_half_a_period_twice_is_a_whole_one():
         flow.swings(x[None], np.array([1500.0]), np.array([2e4])) for flow in (half, whole)
     )
     np.testing.assert_allclose(one[0].displacement, other[0].displacement, rtol=1e-5, atol=1e-9)
+
+
+def test_half_a_period_is_enough_for_a_body_in_space():
+    """It bends along z, its thinner side: the mirror about the middle of z turns the load, and so
+    does half a turn about x. Nodes in the middle of a side stay there, whatever the body's length.
+    """
+    size = {"length": 1.0, "height": 0.1, "width": 0.06, "cells": [2, 1, 1], "probes": {}}
+    made = space.build({"shape": "block", **size, "element": "serendipity", "clamped": ["left"]})
+    elastic = {"young_modulus": 104.0e9, "poisson_ratio": 0.3}
+    term = effects.assemble(made, {**THESIS, "elasticity": elastic})
+    odd, *mirrors = symmetry.candidates(made.dof_location, made.dof_axis, made.size)
+    assert not symmetry.holds(odd, term)
+    assert [symmetry.holds(mirror, term) for mirror in mirrors] == [True, False, True]
+    probes = np.array([made.size - 1])
+    rest, settings = np.zeros(made.size), Newmark(alpha=0.005)
+    half = NewmarkMap(term, settings, 60, 1000.0, probes, rest, mirrors[0])
+    x = periodic(half, 700.0, 1e3)
+    end = replace(half, symmetry=None)(x, 700.0, 1e3, derivative=False).end
+    np.testing.assert_allclose(end, x, atol=1e-6 * np.linalg.norm(x))
 
 
 def test_multipliers_of_a_linear_oscillator_are_those_of_the_method():

@@ -46,7 +46,7 @@ class FullOrder:
     poles: np.ndarray  # complex, 1/s, of small motions about the rest state
     rest: np.ndarray  # (n,) m, equilibrium under the dead load
     title: str = "full order"  # for the progress bar
-    # Where each displacement is (n, 2) [m] and along which axis (n,), where that is known: a body
+    # Where each displacement is (n, dim) [m] and along which axis (n,), where that is known: a body
     # that is its own mirror image has motions that half a period decides.
     place: np.ndarray | None = None
     axis: np.ndarray | None = None

@@ -8,6 +8,7 @@ has such an S if its operators and forces say so; candidates are tried on random
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -35,16 +36,17 @@ class Symmetry:
 
 
 def candidates(place: np.ndarray | None, axis: np.ndarray | None, size: int) -> list[Symmetry]:
-    """All displacements reversed; and, where it is known where the displacements (n, 2) [m] are and
-    along which axis (n,) each is, mirror images about the middle of the body.
+    """All displacements reversed; and, where it is known where the displacements (n, dim) [m] are
+    and along which axis (n,) each is, mirror images about the middle of the body.
     """
     found = [Symmetry(np.arange(size), np.full(size, -1.0))]
     if place is None:
         return found
     low, high = place.min(axis=0), place.max(axis=0)
-    at = np.rint((place - low) / (high - low).max() * GRID).astype(np.int64)
-    for flips in ((False, True), (True, False), (True, True)):
-        image = np.where(flips, at.max(axis=0) - at, at)
+    middle = 0.5 * (low + high)
+    at = np.rint((place - middle) / (high - low).max() * GRID).astype(np.int64)
+    for flips in list(product((False, True), repeat=place.shape[1]))[1:]:
+        image = np.where(flips, -at, at)
         here, there = (np.lexsort((*part.T, axis)) for part in (at, image))
         if np.array_equal(at[here], image[there]) and np.array_equal(axis[here], axis[there]):
             order = np.empty(size, np.int64)
