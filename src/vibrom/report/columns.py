@@ -6,7 +6,7 @@ digits, median and range over seeds in one cell.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from vibrom.report.scores import Spread
 from vibrom.thesis.labels import label
 
 GONE = "–"
+PUBLISHED = "thesis_"  # how the names of its numbers begin
 Row = Mapping[str, Any]
 
 
@@ -36,6 +37,11 @@ class Column:
     def names(self) -> list[str]:
         """In the .csv."""
         return [self.name, f"{self.name}_min", f"{self.name}_max"] if self.spread else [self.name]
+
+    def shown(self, rows: Iterable[Row]) -> bool:
+        """Is it printed? A number of the thesis is where some row has one."""
+        known = not self.name.startswith(PUBLISHED) or any(self.cell(row) != GONE for row in rows)
+        return bool(self.heading) and known
 
     def cell(self, row: Row) -> str:
         """As it is printed."""

@@ -38,12 +38,16 @@ def grid(rows: Sequence[Row], cell: Callable[[Row], str]) -> pd.DataFrame:
 
 def error(row: Row) -> str:
     """`median (thesis)`, or the outcome where the median seed failed."""
-    thesis = row["thesis_outcome"] or number(row["thesis_percent"], 3)
-    beside = "" if thesis == GONE else f" ({thesis})"
     if missing(row["nmte_percent"]):
-        return str(row["outcome"]).replace("_", " ") + beside
+        return str(row["outcome"]).replace("_", " ") + beside(row)
     star, note = ending(row["outcome"])
-    return f"{number(row['nmte_percent'], 3)}{star}{beside}{note}"
+    return f"{number(row['nmte_percent'], 3)}{star}{beside(row)}{note}"
+
+
+def beside(row: Row) -> str:
+    """` (thesis)`; empty where it has no number."""
+    thesis = row["thesis_outcome"] or number(row["thesis_percent"], 3)
+    return "" if thesis == GONE else f" ({thesis})"
 
 
 def ending(tally: Tally) -> tuple[str, str]:
@@ -97,9 +101,11 @@ def checks(rows: Iterable[Row]) -> list[str]:
 def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
     """Title -> table, of the tables that the run has and in which a method was asked something."""
     rows = {name: made.rows for name, made in tables.items()}
+    known = any(beside(row) for name in ("decay", "forced") for row in rows.get(name, []))
+    thesis = " (thesis)" if known else ""
     made = {
-        "Decay: NMTE in %, median over seeds (thesis)": ("decay", error),
-        "Forced run, last period: NMTE in %, median over seeds (thesis)": ("forced", error),
+        f"Decay: NMTE in %, median over seeds{thesis}": ("decay", error),
+        f"Forced run, last period: NMTE in %, median over seeds{thesis}": ("forced", error),
         "Response curve: seeds with the full order's folds, error of the peak in %": (
             "folds",
             folds,

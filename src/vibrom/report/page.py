@@ -207,8 +207,8 @@ class Figures:
         ]
 
 
-def sections(figures: list[dict], tables: list[dict]) -> list[dict[str, Any]]:
-    """In reading order, each with what it holds and the entries of the contents."""
+def sections(figures: list[dict], tables: list[dict], silent: Sequence[str]) -> list[dict]:
+    """In reading order, each with what it holds and its contents, but those that are silent."""
     studies = {name: f"Study: {name.replace('_', ' ')}" for name in outputs.families()}
     made = []
     for name, title in {**SECTIONS, **(studies | SECTIONS), **LAST}.items():
@@ -216,7 +216,7 @@ def sections(figures: list[dict], tables: list[dict]) -> list[dict[str, Any]]:
             "figures": [one for one in figures if one["section"] == name],
             "tables": [one for one in tables if one["family"] == name],
         }
-        if not any(mine.values()) and name not in TEMPLATES:
+        if name in silent or not (any(mine.values()) or name in TEMPLATES):
             continue
         entries = [
             (f"{kind[:-1]}-{one['name']}", one["caption"].title)
@@ -261,7 +261,9 @@ def compose(
             "link": f"tables/{one.name}.csv",
         }
         for one in tables
+        if one.rows  # of what no scene of the run asks there are none
     ]
+    points = differences.points(collection, scores)
     return render(
         "page.html.j2",
         answer=headline,
@@ -269,12 +271,12 @@ def compose(
         remarks=sentences.remarks(headline, collection),
         seeds=len({key.seed for key in collection.loaders} - {None}),
         methods=[(name, label(name), swatch(made.looks[name])) for name in collection.methods],
-        sections=sections(blocks, listed),
+        sections=sections(blocks, listed, () if points else ("differences",)),
         plots=data_block(made.data),
         motion=data_block(motion.scenes(collection, scores)),
         plotly=plotly() if made.data else "",
         scripts=[Markup(resource(name)) for name in SCRIPTS],
-        differences=differences.points(collection, scores),
+        differences=points,
         failures=to_html(failures) if failures.rows else None,
         digests=to_html(digests),
         hardware=hardware,

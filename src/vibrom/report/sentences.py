@@ -77,7 +77,8 @@ def hardest(answer: Answer) -> str:
     if not told:
         return ""
     words = [f"{who} for the {joined(what)}" for who, what in told.items()]
-    return f"in case {answer.hardest}, the hardest, the least errors are those of {joined(words)}"
+    case = f"{answer.hardest}, the hardest," if len(answer.cases) > 1 else answer.hardest
+    return f"in case {case} the least errors are those of {joined(words)}"
 
 
 def others(answer: Answer) -> str:

@@ -91,8 +91,8 @@ def failed(tally: Tally) -> bool:
 def printed(
     rows: Sequence[Row], columns: Sequence[Column], marked: Callable[[Row], str] = mark
 ) -> Printed:
-    """The columns that have a heading."""
-    shown = [column for column in columns if column.heading]
+    """The columns that are shown."""
+    shown = [column for column in columns if column.shown(rows)]
     return Printed(
         [column.heading for column in shown],
         [[column.cell(row) for column in shown] for row in rows],

@@ -1,8 +1,8 @@
 """Figure 2.1: configurations of the beam
 
 All states from which the beam is released, drawn to scale and coloured by the size of the
-displacement; the number is the displacement of the probe (x = 0.525 m, bottom edge). Dashed: the
-beam at rest. In the largest two the beam folds over itself: its end points backwards.
+displacement; the number is the displacement of the probe. Dashed: the beam at rest. A beam whose
+end points backwards folds over itself.
 """
 
 import numpy as np

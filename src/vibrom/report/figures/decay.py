@@ -1,6 +1,6 @@
 """Figures 3.5 to 3.7: the predicted decay
 
-Displacement of the probe (x = 0.525 m, bottom edge) in the test decay: full order (wide, pale)
+Displacement of the probe in the test decay: full order (wide, pale)
 and each reduced model (thin, dashed), with the NMTE over all displacements in the title. One seed
 is drawn, named in the title: the median one by decay NMTE. The vertical axis is chosen by the
 full order. A model that failed or left its training range says so in its panel.

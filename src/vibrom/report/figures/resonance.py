@@ -21,6 +21,7 @@ FAMILY = "models"
 PLACE = 568
 EACH = "run"
 DATA = ("resonance",)
+ASKED = "resonance"  # where that is asked only
 X, Y, Z = "angular frequency [rad/s]", "probe amplitude [m]", "damping ratio [–]"
 
 

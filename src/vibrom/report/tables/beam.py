@@ -1,15 +1,14 @@
 """Table 3.1: the beam of each case
 
 Properties, mesh, undamped natural frequencies and damping of the body, and the states from which
-it is released. With bilinear elements this coarse mesh locks in shear: it is stiffer than the
-beam it stands for, and its frequencies lie well above those of quadratic elements and of beam
-theory. The thesis studies the locked beam, and so do these cases. Where a scene has computed its
-first frequency with quadratic elements on the same mesh (``omega_1_quadratic_rad_per_s`` in the
-.csv), it is listed too: the difference between the two is the effect of shear locking.
+it is released. A coarse mesh of bilinear elements locks in shear: it is stiffer than the beam it
+stands for, and its frequencies lie well above those of quadratic elements and of beam theory. The
+thesis studies a locked beam. Where a scene has computed its first frequency with quadratic elements
+on the same mesh (``omega_1_quadratic_rad_per_s`` in the .csv), it is listed too: the difference
+between the two is the effect of shear locking.
 
-The probe is the y displacement of the node at x = 0.525 m on the bottom edge, which the thesis
-calls the tip; the tip is the true one, at x = 1 m. The density is the printed 440 kg/m³, without
-which the printed eigenvalues do not come out.
+The probe is the scene's own. In the thesis's beam it is the y displacement of the node at x = 0.525
+m on the bottom edge, which the thesis calls the tip; the tip is the true one, at x = 1 m.
 """
 
 import numpy as np
