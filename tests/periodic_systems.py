@@ -4,6 +4,8 @@ full order and as exact reduced models.
     M q'' + c M q' + K q + kappa q_1^3 e_1 = p a sin(Omega t)
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
@@ -94,6 +96,14 @@ def nonlinearly_damped(c1, c3, c5, cubic, reach):
     one, linear = np.eye(1), np.eye(2, dtype=np.int64)
     rom = PolynomialRom(np.full(2, reach), one, np.ones(2), np.eye(2), linear, drift, powers, one)
     return Reduced(rom, np.ones(1), np.array([0]), 1.0, Integrator())
+
+
+def saddle(damping, cubic):
+    """x'' + c x' - x + cubic x^3 = a sin(Omega t), as a reduced model, at rest in its saddle."""
+    model = nonlinearly_damped(damping, 0.0, 0.0, cubic, 2.0)
+    drift = model.rom.dynamics.copy()
+    drift[1, 0] = 1.0
+    return replace(model, rom=replace(model.rom, dynamics=drift))
 
 
 DUFFING = {

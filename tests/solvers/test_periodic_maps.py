@@ -171,6 +171,20 @@ def test_multipliers_are_those_of_the_variational_equation(kind):
     assert np.prod(found.multipliers).real == pytest.approx(product, abs=tolerance)
 
 
+def test_multipliers_of_a_saddle_that_motions_leave_by_a_factor_of_a_thousand():
+    """mu = exp(lambda T), lambda^2 + c lambda - 1 = 0. Differences with a nudge d of the range Z
+    are off by cubic (d Z mu)^2/8 = 6e-9 of the derivative, of which the product of the two
+    multipliers, a difference of terms of the size mu^2 = 1.2e6, is off by 7e-3.
+    """
+    damping = 0.04
+    rates = np.roots([1.0, damping, -1.0])
+    period = 7.0 / rates.max()
+    flow = systems.saddle(damping, 1.0).return_map()
+    found = np.sort(flow(np.zeros(2), 2 * np.pi / period, 0.0).multipliers)
+    assert found[1] == pytest.approx(np.exp(7.0), rel=1e-6)
+    assert np.prod(found) == pytest.approx(np.exp(-damping * period), abs=2e-2)
+
+
 def test_a_periodic_motion_is_where_time_marching_ends():
     """To 1e-5 of its size, as the steps that march leave 1e-6 of their forces."""
     flow = beam({"rayleigh_damping": {"damping_ratio": 0.1}})

@@ -12,7 +12,7 @@ from vibrom.artefacts.outcome import Outcome
 from vibrom.solvers.periodic.continuation import Pace
 from vibrom.solvers.periodic.equations import in_amplitude, in_frequency
 from vibrom.solvers.periodic.response import Span, response
-from vibrom.solvers.periodic.stability import Kind
+from vibrom.solvers.periodic.stability import WILD, Kind
 
 
 def curve(flow, amplitude, lowest, highest, **pace):
@@ -219,6 +219,19 @@ def test_two_equal_oscillators_lose_their_symmetry_where_theory_says():
         values = growth(orbit)
         sign = 1.0 if orbit.kind == Kind.PITCHFORK else -1.0
         assert np.abs(values - sign).min() < 2e-3
+
+
+def test_a_branch_ends_where_disturbances_grow_a_thousandfold_in_a_period():
+    """At a saddle that is little disturbed they grow by exp(lambda 2 pi/Omega)."""
+    damping = 0.1
+    rate = np.roots([1.0, damping, -1.0]).max()
+    last = 2 * np.pi * rate / np.log(WILD)
+    found = curve(systems.saddle(damping, 1.0).return_map(), 1e-3, last - 0.1, last + 0.5)
+    below, above = ([item for item in found if item.branch == number] for number in (0, 1))
+    assert len(below) == 2  # the start and one more
+    assert above[-2].orbit.p > last >= above[-1].orbit.p
+    assert above[-1].orbit.outcome == below[-1].orbit.outcome == Outcome.LOST
+    assert len(above) > 3
 
 
 def test_a_curve_that_cannot_be_begun_is_one_row():

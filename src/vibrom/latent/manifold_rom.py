@@ -111,8 +111,14 @@ class ManifoldRom(Rom):
     def displacement(self, z: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:
         """See Rom."""
         library = self._library(z)
-        basis = self.basis if dofs is None else self.basis[dofs]
-        return (library @ self.displacement_terms.T / (library @ self.below)[..., None]) @ basis.T
+        below = (library @ self.below)[..., None]
+        return self._seen(library, self.displacement_terms, dofs) / below
+
+    def _seen(self, library: np.ndarray, terms: np.ndarray, dofs: np.ndarray | None) -> np.ndarray:
+        """B C Phi (*batch, n) of monomials (*batch, l); of a few displacements, B C first."""
+        if dofs is None:
+            return (library @ terms.T) @ self.basis.T
+        return library @ (self.basis[dofs] @ terms).T
 
     def drift(self, z: np.ndarray) -> np.ndarray:
         """See Rom."""
@@ -139,9 +145,8 @@ class ManifoldRom(Rom):
         if times == 0.0 or np.linalg.norm(p - times * self.load) > SAME * np.linalg.norm(p):
             return None  # another load
         library = self._library(z)
-        basis = self.basis if dofs is None else self.basis[dofs]
         below = (library @ self.below_beside)[..., None] / times
-        return np.stack([(library @ terms.T / below) @ basis.T for terms in self.beside_terms])
+        return np.stack([self._seen(library, each, dofs) / below for each in self.beside_terms])
 
     def field(self, p: np.ndarray | None) -> VectorField:
         """See Rom."""

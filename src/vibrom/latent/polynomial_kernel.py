@@ -11,8 +11,28 @@ from functools import lru_cache
 import numpy as np
 from numba import njit
 
-from vibrom.kernels.lanes import WIDTH, fill, get, positive, put, sqrt
+from vibrom.kernels.lanes import WIDTH, fill, get, part, positive, put, sqrt
 from vibrom.solvers.reduced.field import Kernel, field_kernel
+
+
+@part
+def weighted(numbers, index, work, coefficient, at):
+    """sum_k R_k Phi_k of the monomials in `work` that a row of the index, which begins at `at` with
+    their number, names. Four sums at once, as each addition waits for the one before it; slices,
+    as places counted from zero need no check for negative ones.
+    """
+    places = index[at + 1 : at + 1 + index[at]]
+    values = numbers[coefficient : coefficient + len(places)]
+    a = b = c = d = fill(0.0, WIDTH)
+    for quarter in range(len(places) // 4):
+        k = 4 * quarter
+        a = a + get(work, places[k], WIDTH) * values[k]
+        b = b + get(work, places[k + 1], WIDTH) * values[k + 1]
+        c = c + get(work, places[k + 2], WIDTH) * values[k + 2]
+        d = d + get(work, places[k + 3], WIDTH) * values[k + 3]
+    for k in range(len(places) - len(places) % 4, len(places)):
+        a = a + get(work, places[k], WIDTH) * values[k]
+    return (a + b) + (c + d)
 
 
 @njit(error_model="numpy")
@@ -20,13 +40,9 @@ def _rows(r, products, coefficient, numbers, index, work, out):
     """out_i = sum_k R_ik Phi_k of the monomials in `work`."""
     at = 1 + 2 * products
     for i in range(r):
-        count = index[at]
-        total = fill(0.0, WIDTH)
-        for k in range(count):
-            total = total + get(work, index[at + 1 + k], WIDTH) * numbers[coefficient + k]
-        put(out, i, total)
-        at += 1 + count
-        coefficient += count
+        put(out, i, weighted(numbers, index, work, coefficient, at))
+        coefficient += index[at]
+        at += 1 + index[at]
 
 
 @field_kernel

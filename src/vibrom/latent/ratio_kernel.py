@@ -6,7 +6,7 @@ The denominator is one more row of the polynomials of `polynomial_kernel`.
 import numpy as np
 
 from vibrom.kernels.lanes import WIDTH, fill, get, put
-from vibrom.latent.polynomial_kernel import polynomial_kernel
+from vibrom.latent.polynomial_kernel import polynomial_kernel, weighted
 from vibrom.solvers.reduced.field import Kernel, field_kernel
 
 
@@ -22,17 +22,15 @@ def _ratio(z, numbers, index, work, out):
         put(work, 1 + r + k, get(work, factor, WIDTH) * get(work, variable, WIDTH))
     at, coefficient = 1 + 2 * products, r
     for i in range(r + 1):
-        count, total = index[at], fill(0.0, WIDTH)
-        for k in range(count):
-            total = total + get(work, index[at + 1 + k], WIDTH) * numbers[coefficient + k]
+        total = weighted(numbers, index, work, coefficient, at)
         if i < r:
             put(out, i, total)
         else:
             inverse = 1.0 / total
             for j in range(r):
                 put(out, j, get(out, j, WIDTH) * inverse)
-        at += 1 + count
-        coefficient += count
+        coefficient += index[at]
+        at += 1 + index[at]
 
 
 def ratio_kernel(

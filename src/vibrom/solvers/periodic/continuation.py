@@ -236,7 +236,7 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
     """The branch from `start` along its tangent, `start` itself left out, for as long as it is
     wanted. Raises Lost where the smallest step finds no solution, or where it only creeps on.
     """
-    point, before, length, short = start, None, pace.first, 0
+    point, before, length, short, held = start, None, pace.first, 0, False
     while short < max(FEWEST, CRAWL / pace.turn):
         try:
             ahead = beyond(problem, point, length, pace, before)
@@ -244,13 +244,14 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
             if angle > 2.5 * pace.turn:
                 raise Lost("the branch turns too much in one step")
         except Lost:
-            length *= 0.5
+            length, held = 0.5 * length, True  # and not longer at once
             if length < pace.smallest:
                 raise
             continue
         short = short + 1 if length <= STUCK else 0
-        growth = min(pace.turn / max(angle, 1e-12), 2.0 if ahead.iterations <= pace.few else 0.7)
-        length = min(length * max(growth, 0.4), pace.largest)
+        most = 0.7 if ahead.iterations > pace.few else 1.0 if held else 2.0
+        growth = max(min(pace.turn / max(angle, 1e-12), most), 0.4)
+        length, held = min(length * growth, pace.largest), False
         before, point = point, ahead
         pace.heard(1)
         yield point

@@ -6,9 +6,10 @@ Z is the training range. Runge-Kutta steps of order 8 (Dormand and Prince's, as 
 Wanner, Solving Ordinary Differential Equations I, II.5), all of one length, so that the map is
 smooth: its derivative is taken by central differences of the map itself, the neighbours side by
 side with the point in the lanes of one run, so that one position and its velocity cost no more than
-the value (1e-9 of the derivative is lost). The one along a, which only tells where to go, is taken
-ahead (1e-5 is lost), so that eight lanes are enough. The estimate of the error, which falls with
-the power 8 of the step as that of DOP853, says how many steps a period takes.
+the value. Some 1e-9 of the derivative is lost to rounding, and with a multiplier mu 1e-14 mu^2 to
+the curvature of the map. The one along a, which only tells where to go, is taken ahead, so that
+eight lanes are enough. The estimate of the error, which falls with the power 8 of the step as that
+of DOP853, says how many steps a period takes.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from vibrom.solvers.periodic import flow_steps
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.reduced.field import VectorField
 
-NUDGE = 1e-5  # of the range, of the frequency and of the amplitude
+NUDGE = 1e-7  # of the range, of the frequency and of the amplitude
 TOLERANCE = 1e-7  # of the range, estimated error of a step; what is lost in a period is less
 AIM = 0.2  # of it, where the number of steps is chosen anew
 FEWER = 0.75  # of the steps: where so few would do, so many are taken next time

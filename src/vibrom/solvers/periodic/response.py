@@ -109,8 +109,9 @@ def branch(
             orbits.append(Orbit(last))
             break
         orbits.append(Orbit(ahead))
-        if _meets(ahead.x, ahead.p, known):
-            ending = Outcome.OK
+        met = _meets(ahead.x, ahead.p, known)
+        if met or stability.wild(orbits[-1].multipliers, parts):
+            ending = Outcome.OK if met else Outcome.LOST
             break
     orbits[-1] = replace(orbits[-1], kind=Kind.END, outcome=ending)
     return minor_folds(orbits, span.minor)

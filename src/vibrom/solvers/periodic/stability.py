@@ -16,6 +16,9 @@ from enum import StrEnum
 import numpy as np
 
 REAL = 1e-6  # of its size: an imaginary part that is rounding
+# Nothing shows a motion whose disturbances grow so much in a period, and three digits of it are
+# lost. A saddle that is driven at its own rate has exp(2 pi) = 535.
+WILD = 1e3
 
 
 class Kind(StrEnum):
@@ -38,6 +41,11 @@ def leading_first(multipliers: np.ndarray) -> np.ndarray:
 def unstable(multipliers: np.ndarray) -> int:
     """How many are outside of the unit circle."""
     return int((np.abs(multipliers) > 1.0).sum())
+
+
+def wild(multipliers: np.ndarray, parts: int) -> bool:
+    """Do disturbances grow too much to follow the motion? `parts` maps make a period."""
+    return bool(np.abs(multipliers).max() ** parts > WILD)
 
 
 def growth(multipliers: np.ndarray, number: int) -> float:
