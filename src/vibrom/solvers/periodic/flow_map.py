@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -98,17 +98,10 @@ class FlowMap:
         found = Return(end[0], ok=True, in_phase=float(value[0, r]) if phase else None)
         if not derivative:
             return found
-        slopes = self._slopes(value, nudges)
+        slopes = value.T @ self._differences / nudges
         by_x, by_frequency, by_amplitude = slopes[:r, :r], slopes[:r, r], slopes[:r, r + 1]
         found = replace(found, by_start=by_x, by_frequency=by_frequency, by_amplitude=by_amplitude)
         return replace(found, in_phase_by=slopes[r]) if phase else found
-
-    def _slopes(self, value: np.ndarray, nudges: np.ndarray) -> np.ndarray:
-        """(k, r + 2) of what `_neighbours` give (2 r + 4, k)."""
-        ahead, behind = value[1 : self.size + 3], value[self.size + 3 :]
-        behind = np.concatenate([behind, value[:1]])
-        nudged = np.append(2.0 * nudges[:-1], nudges[-1])
-        return ((ahead - behind) / nudged[:, None]).T
 
     def _in_phase(self, path: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
         """(b,) what is in phase with the load in samples (b, k, r) of a period, under amplitudes
@@ -128,6 +121,14 @@ class FlowMap:
         """(2 r + 4, r + 2) the point itself, then those ahead of it, then those behind."""
         axes = np.eye(self.size + 2)
         return np.concatenate([0.0 * axes[:1], axes, -axes[:-1]])
+
+    @cached_property
+    def _differences(self) -> np.ndarray:
+        """(2 r + 4, r + 2) what of each of them makes the slopes, central but for the last."""
+        ahead, behind = np.eye(self.size + 2), np.eye(self.size + 1, self.size + 2)
+        central = np.concatenate([0.0 * ahead[:1], 0.5 * ahead, -0.5 * behind])
+        central[0, -1], central[self.size + 2, -1] = -1.0, 1.0
+        return central
 
     def swings(self, x: np.ndarray, frequency: np.ndarray, amplitude: np.ndarray) -> list[Swing]:
         """The motions over a period from x (b, r)."""
@@ -168,20 +169,22 @@ class FlowMap:
     def opinion(self, x: np.ndarray, frequency: float, amplitude: float, harmonics: int) -> None:
         """None: `HarmonicBalance` follows whole curves."""
 
+    @cached_property
+    def _run(self) -> flow_steps.Run:
+        """What carries points over a period."""
+        if self.field is None:
+            return flow_steps.plain(self.drift, self.force, self.reach)
+        return flow_steps.compiled(self.field, self.reach)
+
     def _periods(self, points: np.ndarray, kept: int = 1) -> tuple[np.ndarray, np.ndarray]:
         """(ends (b, r), samples (b, kept, r) from the start on), in units of the range, of points
         (b, r + 2): x, frequency and amplitude.
         """
         number = -(-self.steps.number // kept) * kept
-        run = (
-            partial(flow_steps.plain, (self.drift, self.force), self.reach)
-            if self.field is None
-            else partial(flow_steps.compiled, self.field, self.reach)
-        )
-        end, path, error = run(points, number, kept)
+        end, path, error = self._run(points, number, kept)
         while not error < TOLERANCE and number < MOST:
             number = -(-_enough(number, error) // kept) * kept
-            end, path, error = run(points, number, kept)
+            end, path, error = self._run(points, number, kept)
         if not error < LOOSE:
             return np.full_like(end, np.nan), path
         if kept == 1:

@@ -21,6 +21,9 @@ from vibrom.solvers.reduced import order_8
 from vibrom.solvers.reduced.field import KERNEL, MAP, VectorField
 
 Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
+# Ends (b, r), samples (b, kept, r) and the largest error of a step, in units of the range, of
+# points (b, r + 2), x, frequency and amplitude, in so many steps, of which so many are kept.
+Run = Callable[[np.ndarray, int, int], tuple[np.ndarray, np.ndarray, float]]
 
 STAGES = order_8.STAGES
 _A, _B = np.ascontiguousarray(order_8.A[:STAGES, :STAGES]), order_8.A[STAGES, :STAGES].copy()
@@ -28,41 +31,39 @@ _C, _E3, _E5 = (part[:STAGES].copy() for part in (order_8.C, order_8.E3, order_8
 _LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
 
 
-def compiled(
-    field: VectorField, reach: np.ndarray, points: np.ndarray, number: int, kept: int
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """(ends, samples, largest error of a step)."""
-    runs, r = len(points), len(reach)
-    groups = -(-runs // WIDTH)
-    filled = points[np.minimum(np.arange(groups * WIDTH), runs - 1)]
-    filled[:, :r] *= reach
-    lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
-    path = np.empty((groups * kept, r, WIDTH))
-    drift, force = field.drift, field.force
-    work = np.empty(WIDTH * max(drift.rows, force.rows))
-    tables = Tables(drift.numbers, drift.index, force.numbers, force.index, work)
-    functions = (address_of(kernel.function, KERNEL) for kernel in (drift, force))
-    worst = _flow(*functions, tables, reach, number, lanes, path)
-    # (groups, ..., r, WIDTH) -> (runs, ..., r)
-    ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
-    samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
-    return ends, samples.reshape(-1, kept, r)[:runs] / reach, worst
+def compiled(field: VectorField, reach: np.ndarray) -> Run:
+    """Of a compiled field; what does not change from one run to the next is made once."""
+    r, maps = len(reach), (field.drift, field.force)
+    addresses = [address_of(each.function, KERNEL) for each in maps]
+    work = np.empty(WIDTH * max(each.rows for each in maps))
+    tables = Tables(*(table for each in maps for table in (each.numbers, each.index)), work)
+
+    def run(points: np.ndarray, number: int, kept: int) -> tuple[np.ndarray, np.ndarray, float]:
+        runs = len(points)
+        groups = -(-runs // WIDTH)
+        filled = np.empty((groups * WIDTH, r + 2))
+        filled[:runs], filled[runs:] = points, points[-1]
+        filled[:, :r] *= reach
+        lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
+        path = np.empty((groups * kept, r, WIDTH))
+        worst = _flow(*addresses, tables, reach, number, lanes, path)
+        # (groups, ..., r, WIDTH) -> (runs, ..., r)
+        ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
+        samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
+        return ends, samples.reshape(-1, kept, r)[:runs] / reach, worst
+
+    return run
 
 
-def plain(
-    functions: tuple[Function, Function],
-    reach: np.ndarray,
-    points: np.ndarray,
-    number: int,
-    kept: int,
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """The same from numpy functions."""
-    (drift, force), r = functions, len(reach)
-    frequency, amplitude = points[:, r], points[:, r + 1]
-    z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number)[:, None]
-    path, worst = np.empty((len(z), kept, r)), 0.0
-    slopes = np.empty((STAGES, *z.shape))
-    with np.errstate(all="ignore"):  # a model that blows up is a result, not a warning
+def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
+    """Of numpy functions."""
+
+    def run(points: np.ndarray, number: int, kept: int) -> tuple[np.ndarray, np.ndarray, float]:
+        r = len(reach)
+        frequency, amplitude = points[:, r], points[:, r + 1]
+        z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number)[:, None]
+        path, worst = np.empty((len(z), kept, r)), 0.0
+        slopes = np.empty((STAGES, *z.shape))
         for step in range(number):
             if step % (number // kept) == 0:
                 path[:, step // (number // kept)] = z / reach
@@ -76,7 +77,10 @@ def plain(
             worst = max(worst, float(np.nan_to_num(error, nan=np.inf).max()))
             if kept == 1 and not np.abs(z / reach).max() < _LIMIT:
                 return z, path, np.inf
-    return z / reach, path, worst
+        return z / reach, path, worst
+
+    # A model that blows up is a result, not a warning.
+    return np.errstate(all="ignore")(run)
 
 
 class Tables(NamedTuple):
