@@ -26,35 +26,44 @@ Weights = list[torch.Tensor]  # of each layer (out, in), or their gradient
 Tape = list[tuple]  # of each layer: its input, and of hidden ones s', s'' a', s''' a'^2 + s'' a''
 
 
-def _elu(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
+def _elu(a: torch.Tensor, order: int) -> tuple[torch.Tensor, ...]:
     bent = torch.exp(a.clamp(max=0.0))
+    low = torch.where(a > 0.0, a, bent - 1.0), bent
+    if order == 1:
+        return low
     second = torch.where(a > 0.0, 0.0, bent)
-    return torch.where(a > 0.0, a, bent - 1.0), bent, second, second
+    return *low, second, second
 
 
-def _silu(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
+def _silu(a: torch.Tensor, order: int) -> tuple[torch.Tensor, ...]:
     s = torch.sigmoid(a)
-    r, u = torch.addcmul(s, s, s, value=-1.0), torch.rsub(s, 1.0, alpha=2.0)
+    r = torch.addcmul(s, s, s, value=-1.0)
+    low = a * s, torch.addcmul(s, a, r)
+    if order == 1:
+        return low
+    u = torch.rsub(s, 1.0, alpha=2.0)
     second = (a * u).add_(2.0).mul_(r)
     third = (u * u).sub_(r, alpha=2.0).mul_(a).add_(u, alpha=3.0).mul_(r)
-    return a * s, torch.addcmul(s, a, r), second, third
+    return *low, second, third
 
 
-def _tanh(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
+def _tanh(a: torch.Tensor, order: int) -> tuple[torch.Tensor, ...]:
     t = torch.tanh(a)
     first = 1.0 - t * t
-    return t, first, -2.0 * t * first, first * (6.0 * t * t - 2.0)
+    return (t, first, -2.0 * t * first, first * (6.0 * t * t - 2.0))[: order + 1]
 
 
-def _softplus(a: torch.Tensor) -> tuple[torch.Tensor, ...]:
+def _softplus(a: torch.Tensor, order: int) -> tuple[torch.Tensor, ...]:
     s = torch.sigmoid(a)
     r = s * (1.0 - s)
-    return torch.nn.functional.softplus(a) - log(2.0), s, r, r * (1.0 - 2.0 * s)
+    value = torch.nn.functional.softplus(a) - log(2.0)
+    return (value, s, r, r * (1.0 - 2.0 * s))[: order + 1]
 
 
-# name -> function of a that gives s, s', s'', s'''; every s(0) = 0.
+# name -> function of a and the order 1 or 3 that gives s, s', s'', s''' up to that derivative;
+# every s(0) = 0.
 ACTIVATIONS = {"elu": _elu, "silu": _silu, "tanh": _tanh, "softplus": _softplus}
-SLOPE_AT_REST = {name: float(s(torch.zeros(()))[1]) for name, s in ACTIVATIONS.items()}
+SLOPE_AT_REST = {name: float(s(torch.zeros(()), 1)[1]) for name, s in ACTIVATIONS.items()}
 
 
 def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
@@ -64,11 +73,12 @@ def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
     tape = []
     for weight in weights[:-1]:
         a = y @ weight.T
-        value, first, second, third = ACTIVATIONS[activation](a[0])
+        value, first, *higher = ACTIVATIONS[activation](a[0], len(a))
         out = torch.empty_like(a)
         out[0] = value
         bend = curl = None
         if len(a) == 3:
+            second, third = higher
             bend = second * a[1]
             torch.mul(a[1:], first, out=out[1:])
             out[2].addcmul_(bend, a[1])
