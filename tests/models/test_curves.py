@@ -63,6 +63,20 @@ def test_equal_curves_without_folds_differ_by_nothing():
     assert difference(single(0.3), single()).stable_amplitude == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_peak_that_is_flat_where_the_true_one_is_not_has_no_frequency():
+    """1/(1 + x^2) is within a thousandth of its largest up to |x| = 0.03; of points at 0.1 apart
+    one is, with two neighbours. Cut off at |x| = 0.15 three are, and at 0.35 seven.
+    """
+    truth = single()
+    assert truth.top == pytest.approx((0.0, 0.2))
+    for edge, inside, outside in ((0.15, 0.2, 0.4), (0.35, 0.6, 0.8)):
+        flat = replace(truth, amplitude=np.minimum(truth.amplitude, 1 / (1 + edge**2)))
+        assert flat.top == pytest.approx((inside, outside))
+        off = difference(flat, truth)
+        assert np.isnan(off.peak_parameter) == (inside > 0.3)
+        assert off.peak_amplitude == pytest.approx(-100 * edge**2 / (1 + edge**2))
+
+
 def test_a_branch_that_ended_early_is_not_whole():
     cut = folded().part(slice(0, 3))
     cut = replace(cut, kind=np.array([Kind.REGULAR, Kind.FOLD, Kind.END]))

@@ -17,6 +17,7 @@ import xarray as xr
 from vibrom.solvers.periodic.stability import Kind
 
 NAMES = ("branch", "parameter", "amplitude", "stable", "kind")
+FLAT = 1e-3  # of the largest amplitude: motions that differ by less are all at the top
 SAMPLES = 200  # of each part of a branch between two landmarks
 DRIVE = {  # of the forcing: unit and meaning
     "angular_frequency": ("rad s-1", "angular frequency of the forcing"),
@@ -79,6 +80,23 @@ class Curve:
         """Place of the largest amplitude."""
         return int(np.argmax(self.amplitude))
 
+    @property
+    def top(self) -> tuple[float, float]:
+        """How much of the parameter the top takes up, at least and at most: motions about the peak
+        whose amplitude is the largest but for FLAT, and these with their neighbours.
+        """
+        peak, at = self.peak, self.parameter
+        inside, about = [at[peak]], [at[peak]]
+        for step in (-1, 1):
+            place = peak + step
+            while 0 <= place < len(at) and self.branch[place] == self.branch[peak]:
+                about.append(at[place])
+                if self.amplitude[place] < (1.0 - FLAT) * self.amplitude[peak]:
+                    break
+                inside.append(at[place])
+                place += step
+        return float(np.ptp(inside)), float(np.ptp(about))
+
 
 def parameter(answer: xr.Dataset | dict[str, xr.Variable]) -> str:
     """What varies along the curve."""
@@ -99,7 +117,7 @@ class Difference:
 
     fold_parameter: float  # largest of the main folds
     fold_amplitude: float  # largest of the main folds
-    peak_parameter: float
+    peak_parameter: float  # NaN of an amplitude that saturates: a flat top has no such place
     peak_amplitude: float
     bistable_width: float
     stable_amplitude: float  # largest along the stable parts of matched branches
@@ -124,11 +142,13 @@ def difference(curve: Curve, truth: Curve) -> Difference:
             return float("inf")
         return float(np.abs(off(name, folds, true_folds)).max(initial=0.0))
 
+    saturated = curve.top[0] > truth.top[1]
+    peak = float("nan") if saturated else float(off("parameter", curve.peak, truth.peak))
     stable, unstable = _along(curve, truth) if matched else (float("inf"), float("inf"))
     return Difference(
         worst("parameter"),
         worst("amplitude"),
-        float(off("parameter", curve.peak, truth.peak)),
+        peak,
         float(off("amplitude", curve.peak, truth.peak)),
         _share(curve.bistable_width, truth.bistable_width),
         stable,

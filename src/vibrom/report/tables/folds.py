@@ -5,7 +5,9 @@ frequency and of their amplitude; errors of the highest point, and of the width 
 with two stable motions or more (with their sign); largest error of the amplitude along the stable
 and along the unstable parts, compared at equal arclength between ends and folds; and at how many
 frequencies of the full order's grid the number of stable motions is another. A model without the
-full order's folds has none of the errors that need them: it counts as infinitely wrong.
+full order's folds has none of the errors that need them: it counts as infinitely wrong. Where an
+amplitude saturates, so that more frequencies are within a thousandth of the highest point than in
+the full order's curve, that point has no frequency of its own, and no error of it.
 
 Medians over seeds, smallest and largest in parentheses. Alike are the seeds whose curve has as many
 ends and folds on every branch as the full order's.
