@@ -6,8 +6,9 @@
 include: "planning/experiments.smk"
 
 
-# Of the full order: the longest first.
-PRIORITY = {"sweeps": 96, "branches": 94, "frc": 90, "forced": 60}
+# Of the full order: the longest first, but branches after sweeps, whose kernels they need, too:
+# beside one another both would compile them.
+PRIORITY = {"sweeps": 96, "frc": 94, "branches": 90, "forced": 60}
 
 for JOB, MEMBERS, WHERE in JOBS:
 
