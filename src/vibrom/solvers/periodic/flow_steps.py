@@ -9,13 +9,14 @@ The error of a step is estimated from the embedded formulas of order 5 and 3, as
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import types
 
 from vibrom.kernels.callback import address_of, kernel_at
-from vibrom.kernels.compiled import Blocks, Numbers, Vector, machine_type, passing_kernels
+from vibrom.kernels.compiled import Blocks, Numbers, Rows, Vector, machine_type, passing_kernels
 from vibrom.kernels.lanes import WIDTH, fill, get, kernel, part, put, room
 from vibrom.solvers.reduced import order_8
 from vibrom.solvers.reduced.field import KERNEL, MAP, VectorField
@@ -46,7 +47,7 @@ def compiled(field: VectorField, reach: np.ndarray) -> Run:
         filled[:, :r] *= reach
         lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
         path = np.empty((groups * kept, r, WIDTH))
-        worst = _flow(*addresses, tables, reach, number, lanes, path)
+        worst = _flow(*addresses, tables, reach, _waves(number), lanes, path)
         # (groups, ..., r, WIDTH) -> (runs, ..., r)
         ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
         samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
@@ -69,7 +70,7 @@ def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
                 path[:, step // (number // kept)] = z / reach
             for s in range(STAGES):
                 y = z + h * np.tensordot(_A[s, :s], slopes[:s], 1)
-                signal = amplitude * np.sin(2.0 * np.pi * (step + _C[s]) / number)
+                signal = amplitude * _waves(number)[step, s]
                 slopes[s] = drift(y) + force(y) * signal[:, None]
             z = z + h * np.tensordot(_B, slopes, 1)
             five, three = ((h * np.tensordot(e, slopes, 1) / reach) ** 2 for e in (_E5, _E3))
@@ -81,6 +82,12 @@ def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
 
     # A model that blows up is a result, not a warning.
     return np.errstate(all="ignore")(run)
+
+
+@lru_cache(maxsize=64)
+def _waves(number: int) -> np.ndarray:
+    """(number, STAGES) of the signal, at the stages of so many steps."""
+    return np.sin(2.0 * np.pi * (np.arange(number)[:, None] + _C) / number)
 
 
 class Tables(NamedTuple):
@@ -116,12 +123,12 @@ def _worst(five, three, reach, worst):
 
 
 @part
-def _period(drift, force, tables, reach, number, lanes, path, scratch):
-    """One group; `scratch` ((STAGES + 2) r + 2, WIDTH)."""
-    r, kept, worst = len(reach), len(path), 0.0
+def _period(drift, force, tables, reach, waves, lanes, path, scratch):
+    """One group; `scratch` ((STAGES + 2) r + 1, WIDTH)."""
+    r, kept, number, worst = len(reach), len(path), len(waves), 0.0
     z, drive = lanes[:r], lanes[r:]
-    h, signal, y, push = scratch[:1], scratch[1:2], scratch[2 : 2 + r], scratch[2 + r : 2 + 2 * r]
-    slopes = scratch[2 + 2 * r :]
+    h, y, push = scratch[:1], scratch[1 : 1 + r], scratch[1 + r : 1 + 2 * r]
+    slopes = scratch[1 + 2 * r :]
     for w in range(WIDTH):
         h[0, w] = 2.0 * np.pi / drive[0, w] / number
     length = get(h, 0, WIDTH)
@@ -136,11 +143,9 @@ def _period(drift, force, tables, reach, number, lanes, path, scratch):
             out = slopes[s * r : (s + 1) * r]
             drift(y, tables.drift_numbers, tables.drift_index, tables.work, out)
             force(y, tables.force_numbers, tables.force_index, tables.work, push)
-            wave = np.sin(2.0 * np.pi * (step + _C[s]) / number)
-            for w in range(WIDTH):
-                signal[0, w] = drive[1, w] * wave
+            signal = get(drive, 1, WIDTH) * waves[step, s]
             for i in range(r):
-                put(out, i, get(out, i, WIDTH) + get(signal, 0, WIDTH) * get(push, i, WIDTH))
+                put(out, i, get(out, i, WIDTH) + signal * get(push, i, WIDTH))
         for i in range(r):
             put(z, i, get(z, i, WIDTH) + length * _weighted(slopes, _B, i, r, STAGES))
             put(y, i, length * _weighted(slopes, _E5, i, r, STAGES))
@@ -153,22 +158,22 @@ def _period(drift, force, tables, reach, number, lanes, path, scratch):
     return worst
 
 
-def _loop(drift_at, force_at, tables, reach, number, lanes, path):
+def _loop(drift_at, force_at, tables, reach, waves, lanes, path):
     """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
-    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH). The largest error of a
-    step, of the range.
+    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH); `waves` (number, STAGES)
+    are the signal at the stages. The largest error of a step, of the range.
     """
     drift, force = _map(drift_at), _map(force_at)
     worst, kept = 0.0, len(path) // len(lanes)
-    scratch = room((STAGES + 2) * len(reach) + 2, WIDTH)
+    scratch = room((STAGES + 2) * len(reach) + 1, WIDTH)
     for group in range(len(lanes)):
         samples = path[group * kept : (group + 1) * kept]
-        error = _period(drift, force, tables, reach, number, lanes[group], samples, scratch)
+        error = _period(drift, force, tables, reach, waves, lanes[group], samples, scratch)
         worst = error if not error <= worst else worst
     return worst
 
 
 _map = kernel_at(MAP)
 with passing_kernels():
-    _records = (machine_type(item) for item in (int, int, Tables, Vector, int, Blocks, Blocks))
+    _records = (machine_type(item) for item in (int, int, Tables, Vector, Rows, Blocks, Blocks))
     _flow = kernel(types.float64(*_records), fastmath={"contract"})(_loop)
