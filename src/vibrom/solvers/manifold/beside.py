@@ -83,11 +83,11 @@ def _lower(
     state: np.ndarray,
 ) -> list[np.ndarray]:
     """The sums a + DW S and b + DV S (t, n)."""
-    along = degree.along(dynamics)
+    along, times = degree.along(dynamics), [degree.times(series) for series in push]
     found = []
     for part, tangent in zip(state, tangents):
         total = along @ part
-        for series, slope in zip(push, tangent):
-            total += series[0] * slope[degree.targets] + degree.times(series) @ slope
+        for series, product, slope in zip(push, times, tangent):
+            total += series[0] * slope[degree.targets] + product @ slope
         found.append(total)
     return found

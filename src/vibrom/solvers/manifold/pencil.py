@@ -65,6 +65,11 @@ class Pencil:
         return 2.0 * s * self.mass + self.damping
 
     @cached_property
+    def _stiffest(self) -> float:
+        """The largest entry of K."""
+        return float(np.abs(self.stiffness.data).max())
+
+    @cached_property
     def _bands(self) -> np.ndarray:
         """(3, 3 b + 1, n): M, C and K as LAPACK stores a band, with room for its pivots, column by
         column.
@@ -101,7 +106,7 @@ class Pencil:
         self, s: complex, f: np.ndarray, border: Border
     ) -> tuple[np.ndarray, np.ndarray]:
         """(w, r) of the bordered system."""
-        k, x = len(border.pinned), abs(self.stiffness).max()
+        k, x = len(border.pinned), self._stiffest
         ends = np.zeros((self.size, k), complex)
         ends[border.pinned, range(k)] = x
         solve = self.factor(s, (border.pinned, x))

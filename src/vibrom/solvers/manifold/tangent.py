@@ -9,6 +9,7 @@ monomial k. The manifold's own series have none.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -45,9 +46,14 @@ class Degree:
         order = np.argsort(row, kind="stable")
         return cls(monomials, targets, row[order], left[order], right[order])
 
+    @cached_property
+    def begin(self) -> np.ndarray:
+        """(t + 1,) where the products of each target begin."""
+        return np.searchsorted(self.row, np.arange(len(self.targets) + 1))
+
     def times(self, series: np.ndarray) -> csr_matrix:
         """(t, 1 + l): products with a scalar series (1 + l,), its constant left out."""
-        entries = series[self.right + 1], (self.row, self.left)
+        entries = series[self.right + 1], self.left, self.begin
         return csr_matrix(entries, shape=(len(self.targets), 1 + len(self.monomials)))
 
     def along(self, dynamics: np.ndarray) -> csr_matrix:
@@ -84,10 +90,11 @@ class TangentSeries:
     def next(self, degree: Degree) -> np.ndarray:
         """Its coefficients (t, n) of this degree."""
         force, count = self.force, len(degree.targets)
-        begin = np.searchsorted(degree.row, np.arange(count + 1))
         known = self.place[degree.right], self.sign[degree.right]
         own = degree.left, np.ones(len(degree.left))
-        plan, turned = Schedule(begin, *known, *own), Schedule(begin, *own, *known)
+        plan, turned = (
+            Schedule(degree.begin, *factors) for factors in ((*known, *own), (*own, *known))
+        )
         strain = np.zeros((count, force.strains, 2, force.points))
         multiply(force.y, self.d, plan, self.stretch, strain)
         self.stress = np.einsum("lm,tmcp->tlcp", force.potential.moduli, strain)
