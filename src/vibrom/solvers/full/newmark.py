@@ -32,10 +32,11 @@ from vibrom.term import SceneError, Term
 
 ACCELERATIONS = ("equilibrium", "zero")
 
-# By the dimension of a body. Sparse factors of plane bodies fill less than the band from some width
-# on, and steps are then faster with them (`python -m benchmarks growth`). In space the band stays
-# faster, until that of the sixteen states that are carried side by side takes gigabytes.
-WIDEST = {2: 300 if PyPardisoSolver else 500, 3: 600}
+# By the dimension of a body. Sparse factors fill less than the band from some width on, and steps
+# are then faster with them (`python -m benchmarks growth`). In space, where a factor serves some
+# twenty solves, sixteen states in the band take 0.7 of PARDISO's time at a half width of 365 and
+# 1.6 times that at 590, one state 0.8 and 1.25; LAPACK's band takes as long as ours at 590.
+WIDEST = {2: 300, 3: 450} if PyPardisoSolver else {2: 500, 3: 600}
 
 
 @dataclass(frozen=True)
