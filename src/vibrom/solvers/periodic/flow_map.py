@@ -195,7 +195,9 @@ class FlowMap:
 
 def _enough(number: int, error: float) -> int:
     """Steps of which the worst has AIM of the tolerance, if `number` of them have this error."""
-    ratio = (error / (AIM * TOLERANCE)) ** (1.0 / 8.0) if np.isfinite(error) else 2.0
+    if not np.isfinite(error):  # the motion is lost, or else it takes many more
+        return MOST
+    ratio = (error / (AIM * TOLERANCE)) ** (1.0 / 8.0)
     return min(max(4 * math.ceil(number * min(ratio, 2.0) / 4.0), FEWEST), MOST)
 
 
