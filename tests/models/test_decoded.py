@@ -1,6 +1,8 @@
-"""Motions that are decoded where they are sliced, and files that are open only while they are read,
+"""Motions that are decoded to a scratch file, and files that are open only while they are read,
 against the same as arrays.
 """
+
+import time
 
 import numpy as np
 import psutil
@@ -9,9 +11,10 @@ import two_dofs
 import xarray as xr
 
 from vibrom.artefacts.data import open_dataset, save_dataset
-from vibrom.models import samples
+from vibrom.models import samples, scratch
 from vibrom.models.decoded import decoded
 from vibrom.models.measures import distance, nmte_percent
+from vibrom.models.model import Watch
 
 RNG = np.random.default_rng(5)
 SLICES = {
@@ -28,26 +31,53 @@ SLICES = {
 
 
 class Linear:
-    """q = z A, and the most rows that were decoded at once."""
+    """q = z A, and how many rows were decoded each time."""
 
-    size, matrix, most = 5, RNG.standard_normal((2, 5)), 0
+    size, matrix = 5, RNG.standard_normal((2, 5))
+
+    def __init__(self):
+        self.rows = []
 
     def decoded(self, coordinates, dofs=None):
-        self.most = max(self.most, len(coordinates))
+        self.rows.append(len(coordinates))
         return coordinates @ (self.matrix if dofs is None else self.matrix[:, dofs])
 
 
 @pytest.mark.parametrize("part", SLICES.values(), ids=SLICES)
-def test_a_slice_of_what_is_decoded_later_is_that_of_what_is_decoded_at_once(part, monkeypatch):
-    z, model = RNG.standard_normal((40, 2)), Linear()
-    whole = decoded(model, z)
-    assert isinstance(whole, np.ndarray)
+def test_a_slice_of_what_is_decoded_to_a_file_is_that_of_an_array(part, monkeypatch):
+    z, model = RNG.standard_normal((2, 40, 2)), Linear()
+    whole, seconds = decoded(model, z)
+    assert isinstance(whole, np.ndarray) and whole.shape == (2, 40, 5) and seconds > 0.0
     monkeypatch.setattr(samples, "BLOCK", 8 * 5 * 4)
-    model.most = 0
-    lazy = decoded(model, z)
-    assert isinstance(lazy, xr.Variable) and not lazy._in_memory and model.most == 4
-    # The product of a row, of fewer columns, may add up in another order.
-    np.testing.assert_allclose(lazy[part].values, whole[part], rtol=1e-13, atol=1e-15)
+    model.rows = []
+    lazy, _ = decoded(model, z)
+    assert isinstance(lazy, xr.Variable) and not lazy._in_memory
+    for run in range(2):
+        # The product of a few rows may add up in another order.
+        np.testing.assert_allclose(lazy[run][part].values, whole[run][part], rtol=1e-13, atol=1e-15)
+    assert model.rows == [4] * 20  # each once, however often it is read
+    some, _ = decoded(model, z, np.array([4, 1]))
+    np.testing.assert_allclose(some, whole[:, :, [4, 1]], rtol=1e-13, atol=1e-15)
+
+
+def test_the_time_of_an_answer_is_without_that_of_writing(monkeypatch):
+    """Of the full order's steps, and of decoding; a file takes 50 ms a block here."""
+    held, append = [], scratch.OnScratch.append
+
+    def slow(self, run, rows):
+        time.sleep(0.05)
+        held.append(len(rows))
+        append(self, run, rows)
+
+    monkeypatch.setattr(scratch.OnScratch, "append", slow)
+    monkeypatch.setattr(samples, "BLOCK", 100)
+    model = two_dofs.full_order()
+    watch = Watch(model.period * np.arange(51) / 50)
+    assert decoded(Linear(), np.ones((1, 10, 2)))[1] < 0.05 < 0.05 * len(held)
+    held.clear()
+    motion = model.motion(np.ones((1, 4)), None, watch)
+    assert isinstance(motion.displacement[0], xr.Variable) and held
+    assert motion.seconds < 0.05
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Motions of the full order that go to a scratch file, against the same in memory."""
+"""Motions that go to a scratch file, against the same in memory."""
 
 import tracemalloc
 from dataclasses import replace
@@ -15,7 +15,6 @@ from vibrom.experiments.forced import Forced
 from vibrom.experiments.response import Response
 from vibrom.models import balance, samples, scratch
 from vibrom.models.model import Drive, Watch
-from vibrom.solvers.full.newmark import Record
 from vibrom.term import Term
 
 RNG = np.random.default_rng(7)
@@ -37,7 +36,7 @@ SLICES = {
 def test_a_slice_of_the_file_is_that_of_the_array(part, monkeypatch):
     monkeypatch.setattr(samples, "BLOCK", 8 * 4 * 3)  # three rows
     rest = RNG.standard_normal(4)
-    made = scratch.room(2, Record(), 29, rest)
+    made = scratch.room(2, 30, 4, rest)
     for first in (0, 11):  # as a time loop shows them: some steps of some runs
         steps = np.arange(first, 11 if first == 0 else 30)
         shown = (Q + rest)[:, steps].transpose(1, 2, 0)
@@ -52,9 +51,9 @@ def test_a_slice_of_the_file_is_that_of_the_array(part, monkeypatch):
 
 
 def test_small_motions_are_in_memory_and_too_large_ones_are_refused_in_a_line(monkeypatch):
-    assert scratch.room(1, Record(), 100, np.zeros(4)) is None
+    assert scratch.room(1, 101, 4) is None
     with pytest.raises(TooLarge, match="scratch file.*TMPDIR"):
-        scratch.room(1, Record(), 10**9, np.zeros(10**6))
+        scratch.room(1, 10**9, 10**6)
 
 
 @pytest.mark.parametrize("runs", [1, 3])

@@ -1,4 +1,4 @@
-"""Displacements of a reduced motion: at once where few, else decoded where they are sliced.
+"""Displacements of a reduced motion: in memory where few, else on a scratch file.
 
     q = decode(z),    driven: q = decode(z) + sum_kw beside_w(z, p_k) u_kw
 
@@ -7,15 +7,14 @@ u_k1 is the signal of the load p_k, and u_k2 that of a quarter of a period earli
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import xarray as xr
-from xarray.backends import BackendArray
-from xarray.core import indexing
 
 from vibrom.models import samples
+from vibrom.models.scratch import room
 
 
 class Decoder(Protocol):
@@ -67,42 +66,23 @@ class Driven:
         return found
 
 
-@dataclass(eq=False)
-class Decoded(BackendArray):
-    """Displacements (m, n) [m] of coordinates (m, r)."""
-
-    model: Decoder
-    coordinates: np.ndarray  # (m, r)
-    dtype = np.dtype(float)
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(m, n)."""
-        return len(self.coordinates), self.model.size
-
-    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        """What xarray asks for."""
-        outer = indexing.IndexingSupport.OUTER
-        return indexing.explicit_indexing_adapter(key, self.shape, outer, self._decode)
-
-    def _decode(self, key: tuple[Any, ...]) -> np.ndarray:
-        rows, columns = key
-        some = np.atleast_2d(self.coordinates[rows])
-        every = isinstance(columns, slice) and columns == slice(0, self.shape[1], 1)
-        dofs = None if every else np.atleast_1d(np.arange(self.shape[1])[columns])
-        found = self.model.decoded(some, dofs)
-        found = found[0] if isinstance(rows, int | np.integer) else found
-        return found[..., 0] if isinstance(columns, int | np.integer) else found
-
-
-def decoded(model: Decoder, coordinates: np.ndarray) -> Any:
-    """Displacements (time, dof) of coordinates (m, r), an array or a variable that is sliced; all
-    have been decoded once, so that the time it takes is that of an answer.
+def decoded(
+    model: Decoder, coordinates: np.ndarray, dofs: np.ndarray | None = None
+) -> tuple[Any, float]:
+    """Displacements (b, m, n), or (b, m, k) at `dofs`, of coordinates (b, m, r), an array or a
+    variable that is sliced; and the seconds that decoding took.
     """
-    if 8 * len(coordinates) * model.size <= samples.BLOCK:
-        return model.decoded(coordinates)
-    lazy = indexing.LazilyIndexedArray(Decoded(model, coordinates))
-    found = xr.Variable(("time", "dof"), lazy)
-    for _ in samples.rows(found):
-        pass
-    return found
+    runs, m, _ = coordinates.shape
+    scratch = room(runs, m, model.size) if dofs is None else None
+    if scratch is None:
+        began = time.perf_counter()
+        found = model.decoded(coordinates.reshape(runs * m, -1), dofs)
+        return found.reshape(runs, m, -1), time.perf_counter() - began
+    seconds, count = 0.0, max(1, samples.BLOCK // (8 * model.size))
+    for run in range(runs):
+        for first in range(0, m, count):
+            began = time.perf_counter()
+            found = model.decoded(coordinates[run, first : first + count])
+            seconds += time.perf_counter() - began
+            scratch.append(run, found)
+    return scratch.variable, seconds

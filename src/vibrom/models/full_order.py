@@ -139,7 +139,7 @@ class FullOrder:
         places = [steps_of(watch.instants, step) for watch in watches]
         last = max(int(place[-1]) for place in places)
         record = _record(watches, places, last)
-        scratch = room(runs, record, last, self.rest)
+        scratch = room(runs, record.count(last), self.size, self.rest)
         run, balance = self.balanced(start, step, last, replace(record, sink=scratch), drive)
         whole = run.displacement if scratch is None else scratch.variable
         displacement = tuple(

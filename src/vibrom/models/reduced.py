@@ -96,15 +96,14 @@ class Reduced:
         )
         reduced = np.empty_like(run.reduced)
         np.put_along_axis(reduced, order[:, :, None], run.reduced, axis=1)
+        seconds = time.perf_counter() - began
         ends = np.cumsum([part.shape[1] for part in every])[:-1]
         parts = tuple(np.split(reduced, ends, axis=1))
-        displacement = tuple(
+        shown = [
             self._shapes(part, moments, drive, watch.dofs)
             for part, moments, watch in zip(parts, every, watches)
-        )
-        seconds = time.perf_counter() - began
-        outcome = np.array(run.outcome, dtype=object)
-        return Motion(displacement, parts, outcome, run.failed_at, run.range_ratio, None, seconds)
+        ]
+        return _motion(run, parts, shown, seconds)
 
     def _pushed(self, start: np.ndarray, signals: Signals, *watches: Watch) -> Motion:
         """Under signals of any kind. Of what a load adds beside the reduced coordinates, the part
@@ -120,15 +119,14 @@ class Reduced:
         within = np.concatenate([np.arange(count) / count for count in parts])
         grid = np.append(first + within * np.repeat(np.diff(watched), parts), watched[-1])
         run = pushed(self.rom, self.rom.encode(start), grid, signals)
-        found, displacement, values = [], [], signals.value(grid)
+        found, shown, values = [], [], signals.value(grid)
+        seconds = time.perf_counter() - began
         for watch in watches:
             at = np.searchsorted(grid, watch.instants - 0.5 * CLOSE * grid[-1])
             found.append(run.reduced[:, at])
             waves = values[:, :, at].transpose(0, 2, 1)
-            displacement.append(self._driven(found[-1], waves, signals.load, watch.dofs))
-        outcome, seconds = np.array(run.outcome, dtype=object), time.perf_counter() - began
-        ended = outcome, run.failed_at, run.range_ratio
-        return Motion(tuple(displacement), tuple(found), *ended, None, seconds)
+            shown.append(self._driven(found[-1], waves, signals.load, watch.dofs))
+        return _motion(run, tuple(found), shown, seconds)
 
     def _shapes(
         self,
@@ -136,27 +134,21 @@ class Reduced:
         instants: np.ndarray,
         drive: Drive | None,
         dofs: np.ndarray | None,
-    ) -> Any:
-        """Displacements (b, m, k) of reduced states (b, m, r)."""
-        if drive is not None:
-            angle = (drive.frequency[:, None] * instants)[..., None]
-            waves = np.concatenate([np.sin(angle), np.cos(angle)], axis=2)
-            waves = waves * drive.amplitude[:, None, None]
-            return self._driven(reduced, waves, self.load[None], dofs)
-        if dofs is None and len(reduced) == 1:
-            return _of_one(decoded(self, reduced[0]))
-        return self.decoded(reduced, dofs)
+    ) -> tuple[Any, float]:
+        """Displacements (b, m, k) of reduced states (b, m, r), and seconds."""
+        if drive is None:
+            return decoded(self, reduced, dofs)
+        angle = (drive.frequency[:, None] * instants)[..., None]
+        waves = np.concatenate([np.sin(angle), np.cos(angle)], axis=2)
+        waves = waves * drive.amplitude[:, None, None]
+        return self._driven(reduced, waves, self.load[None], dofs)
 
     def _driven(
         self, reduced: np.ndarray, waves: np.ndarray, loads: np.ndarray, dofs: np.ndarray | None
-    ) -> Any:
+    ) -> tuple[Any, float]:
         """The same under loads (k, n), whose signals are (b, m, k w) waves (`Driven`)."""
         driven = Driven(self, self.rom, loads, waves.shape[2])
-        both = np.concatenate([reduced, waves], axis=2)
-        if dofs is None and len(reduced) == 1:
-            return _of_one(decoded(driven, both[0]))
-        found = driven.decoded(both.reshape(-1, both.shape[2]), dofs)
-        return found.reshape(*reduced.shape[:2], -1)
+        return decoded(driven, np.concatenate([reduced, waves], axis=2), dofs)
 
     def return_map(self) -> FlowMap:
         """See `Model.return_map`."""
@@ -191,7 +183,10 @@ class Reduced:
         return flat.reshape(*coordinates.shape[:-1], -1)
 
 
-def _of_one(displacement: Any) -> Any:
-    """The displacements (m, n) of a single run as those (1, m, n) of several, if they are there."""
-    whole = isinstance(displacement, np.ndarray)
-    return displacement[None] if whole else (displacement,)
+def _motion(
+    run: Any, reduced: tuple[np.ndarray, ...], shown: list[tuple[Any, float]], seconds: float
+) -> Motion:
+    """Of a rollout that took so many seconds, with the displacements of each watch and theirs."""
+    displacement, decoding = zip(*shown)
+    ended = np.array(run.outcome, dtype=object), run.failed_at, run.range_ratio
+    return Motion(displacement, reduced, *ended, None, seconds + sum(decoding))

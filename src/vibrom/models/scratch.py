@@ -1,5 +1,5 @@
 """Displacements of motions that are larger than memory: they go to a scratch file while they are
-integrated, and are read where they are sliced.
+integrated or decoded, and are read where they are sliced.
 
 The file has no name and goes with what reads it. It lies in the folder for such files, which
 `TMPDIR` names.
@@ -19,15 +19,14 @@ from xarray.core import indexing
 
 from vibrom.artefacts.hardware import GIB, TooLarge
 from vibrom.models import samples
-from vibrom.solvers.full.motion import Record
 
 
 @dataclass(eq=False)
 class OnScratch(BackendArray):
-    """Displacements (b, m, n) [m] from `rest`; a `Sink`."""
+    """Displacements (b, m, n) [m]; a `Sink` of those from `rest`."""
 
     shape: tuple[int, int, int]
-    rest: np.ndarray  # (n,) m
+    rest: np.ndarray | float  # (n,) m
     file: IO[bytes] = field(default_factory=tempfile.TemporaryFile)
     done: dict[int, int] = field(default_factory=dict)  # rows of each run
     dtype = np.dtype(float)
@@ -37,11 +36,15 @@ class OnScratch(BackendArray):
     ) -> None:
         """See `Sink`."""
         for run in range(where.start, where.stop):
-            rows, first = q[:, :, run - where.start] - self.rest, self.done.get(run, 0)
-            self.file.seek(self._place(run, first))
-            self.file.write(np.ascontiguousarray(rows).data)
-            self.done[run] = first + len(rows)
+            self.append(run, q[:, :, run - where.start] - self.rest)
+
+    def append(self, run: int, rows: np.ndarray) -> None:
+        """The next rows (k, n) of a run."""
+        first = self.done.get(run, 0)
+        self.file.seek(self._place(run, first))
+        self.file.write(np.ascontiguousarray(rows).data)
         self.file.flush()
+        self.done[run] = first + len(rows)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         """What xarray asks for."""
@@ -78,18 +81,19 @@ class OnScratch(BackendArray):
         return xr.Variable(("run", "time", "dof"), indexing.LazilyIndexedArray(self))
 
 
-def room(runs: int, record: Record, steps: int, rest: np.ndarray) -> OnScratch | None:
-    """For what is kept of so many runs of a body; None where memory holds it easily."""
-    count = len(range(record.start, steps + 1, record.every))
-    size = 8 * runs * count * len(rest)
+def room(runs: int, count: int, n: int, rest: np.ndarray | float = 0.0) -> OnScratch | None:
+    """For `count` rows of each of so many runs of n displacements; None where memory holds them
+    easily.
+    """
+    size = 8 * runs * count * n
     if size <= samples.BLOCK:
         return None
     folder = tempfile.gettempdir()
     free = shutil.disk_usage(folder).free
     if size > free:
         raise TooLarge(
-            f"the motion of {runs} x {len(rest)} displacements takes {size / GIB:.3g} GiB of a "
+            f"the motion of {runs} x {n} displacements takes {size / GIB:.3g} GiB of a "
             f"scratch file, and {free / GIB:.3g} GiB are free in {folder}; set TMPDIR to a folder "
             "of a larger disk, or lower periods, steps_per_period or body.cells"
         )
-    return OnScratch((runs, count, len(rest)), rest)
+    return OnScratch((runs, count, n), rest)

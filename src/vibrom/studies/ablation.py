@@ -221,7 +221,7 @@ def evaluated(body: FullOrder, runs: Runs) -> tuple[FullOrder, dict[str, Any], A
     if body.term.mass is None or not body.term.mass.diagonal().all():
         return body, record | static_response(body, runs.forcing), None
     keep = Record(every=runs.every, probes=body.probes)
-    scratch = room(1, keep, runs.decay_steps, runs.whole.rest)
+    scratch = room(1, keep.count(runs.decay_steps), runs.whole.size, runs.whole.rest)
     decay = runs.decay(body, runs.decay_steps, replace(keep, sink=scratch))
     away = body.rest - runs.whole.rest
     watched, motions = decay.probes[0], [decay]

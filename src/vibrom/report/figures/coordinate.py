@@ -145,5 +145,6 @@ def by_order(train, test, weight: np.ndarray) -> list[tuple[int, float]]:
             shape = least_squares(library, Samples(((train.displacement,),)))
         except MethodError:
             break  # more terms than samples
-        found.append((order, nmte_percent(test.displacement, decoded(Graph(shape), unseen))))
+        shown = decoded(Graph(shape), unseen[None])[0][0]
+        found.append((order, nmte_percent(test.displacement, shown)))
     return found

@@ -33,8 +33,8 @@ def integrate(
             method.compile(start, width)
             began = time.perf_counter()
             stepper = method(start.part(first, width), limits, half)
-            march(stepper, steps, record, motion, where, progress)
             motion.seconds += time.perf_counter() - began
+            march(stepper, steps, record, motion, where, progress)
         first = where.stop
     motion.failed_at *= start.h
     return motion
@@ -55,7 +55,9 @@ def march(
     store = _room(record, min(stepper.chunk, steps), n, stepper.width)
     for first in range(0, max(steps, 1), stepper.chunk):
         span = Span(first, min(first + stepper.chunk, steps))
+        began = time.perf_counter()
         stored = stepper.advance(span, store)
+        motion.seconds += time.perf_counter() - began
         _move(store, stored, span, stepper.failed, record, motion, where)
         if record.observer is not None:
             _show(store, span, record.observer, where)

@@ -53,6 +53,10 @@ class Record:
         if outside:
             raise ValueError(f"record.probes has {outside[0]}; needed are dofs from 0 to {n - 1}")
 
+    def count(self, steps: int) -> int:
+        """Whole states that are kept of so many steps."""
+        return len(range(self.start, steps + 1, self.every))
+
     def allocate(self, n: int, states: int, steps: int) -> Motion:
         """A motion without values yet."""
         kept = np.arange(self.start, steps + 1, self.every)
@@ -84,7 +88,8 @@ class Motion:
     acceleration: np.ndarray  # (states, m, n) m/s^2
     probes: np.ndarray  # (states, k, steps + 1 - probe_start) m
     failed_at: np.ndarray  # (states,) s, where Newton's iteration did not converge; NaN: nowhere
-    seconds: float = 0.0  # wall time, compilation excluded
+    # wall time of the steps, without compilation and what sinks and observers take
+    seconds: float = 0.0
     iterations: int = 0  # of Newton, all batches added up
     factorisations: int = 0  # likewise
 
