@@ -7,6 +7,7 @@ import argparse
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import vibrom
 from vibrom.artefacts.files import DataError
@@ -33,12 +34,29 @@ def report() -> str:
 
 def check(folder: Path, overlays: list[Path]) -> str:
     """What the configuration in `folder` asks for, with the overlays laid over it, read as the
-    workflow reads it; or one line that names file, key, value and cure.
+    workflow reads it, its bodies built; or one line that names file or scene, key, value and cure.
     """
     asked = settings.load(folder, overlays)
+    for name, scene in asked.scenes.items():
+        build(name, scene.to_builtins())
     lists = ("scenes", "methods", "experiments", "studies")
     lines = [f"{name:12} {', '.join(getattr(asked, name))}" for name in lists]
     return "\n".join(["The configuration is fine.", *lines, f"{'results':12} {asked.results}"])
+
+
+def build(name: str, scene: dict[str, Any]) -> None:
+    """What only the body tells: nodes, groups of its mesh file, boundaries that effects name."""
+    if "body" not in scene:  # it is recorded
+        return
+    from vibrom import effects
+    from vibrom.artefacts.hardware import TooLarge
+    from vibrom.bodies import space
+    from vibrom.term import SceneError
+
+    try:
+        effects.assemble(space.build(scene["body"]), scene["effects"])
+    except (SceneError, TooLarge) as error:
+        raise ConfigError(f"scene {name}: {error}") from error
 
 
 def record(

@@ -6,11 +6,13 @@ import subprocess
 import sys
 
 import pytest
+import yaml
 from bad_entries import BAD
 from project_copy import change, plan
 
 from vibrom.__main__ import check
 from vibrom.config.command_line import overlays
+from vibrom.config.errors import ConfigError
 
 PROMISED = [
     "unknown effect",
@@ -124,3 +126,26 @@ def test_the_check_says_what_a_fine_configuration_asks_for(project):
     assert printed[0] == "The configuration is fine."
     assert printed[1].split() == ["scenes", "large"]
     assert not any("cost" in line for line in printed)
+
+
+@pytest.mark.parametrize(
+    "block, says",
+    [
+        ({"body": {"clamped": ["lefd"]}}, "body.clamped[0] = 'lefd' is no group of "),
+        (
+            {"body": {"probes": {"tip": {"at": "tipp", "direction": "y"}}}},
+            "body.probes.tip.at = 'tipp' is no group of the mesh; did you mean 'tip'?",
+        ),
+        (
+            {"effects": {"follower_load": {"edge": "hol", "pressure": 1.0}}},
+            "effects.follower_load.edge = 'hol' is no boundary of the body",
+        ),
+    ],
+)
+def test_the_check_looks_for_groups_in_the_mesh(project, block, says):
+    overlay = {"scenes": ["perforated_beam"], "scene_settings": {"perforated_beam": block}}
+    (project / "overlay.yaml").write_text(yaml.safe_dump(overlay))
+    with pytest.raises(ConfigError) as error:
+        check(project / "config", [project / "overlay.yaml"])
+    line = str(error.value)
+    assert line.startswith(f"scene perforated_beam: {says}") and "\n" not in line
