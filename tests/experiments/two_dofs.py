@@ -71,7 +71,7 @@ def structure() -> xr.Dataset:
         | {
             "frequency": variable("mode", FREQUENCIES, "rad s-1", "frequencies"),
             "damping_ratio": variable("mode", RATIOS, "1", "damping ratios"),
-            "mode_shape": variable(("mode", "dof"), MODES, "kg-0.5", "modes"),
+            "mode_shape": variable(("mode", "dof"), MODES, "kg^(-1/2)", "modes"),
             "load": variable("dof", LOAD, "N", "load"),
             "driven_load": variable(("driven", "dof"), np.array([LOAD, PULL]), "N", "loads"),
             "probe_dof": variable("probe", [0, 1], "1", "watched displacement"),

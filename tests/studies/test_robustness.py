@@ -127,7 +127,7 @@ def test_a_guard_that_a_model_cannot_have_is_unsupported_and_says_why():
 class Own(Rom):
     """The example of a method in docs/: four functions, and no compiled field."""
 
-    modes: np.ndarray = stored("kg-0.5", "modes", "mode", "dof")
+    modes: np.ndarray = stored("kg^(-1/2)", "modes", "mode", "dof")
 
     def encode(self, x):
         q, v = np.split(x, 2, axis=-1)

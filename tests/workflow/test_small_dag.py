@@ -1,6 +1,7 @@
 """The whole workflow in miniature: all is made, and says what it is."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -44,6 +45,19 @@ def test_every_artefact_is_there_and_says_what_made_it(small):
         kind = {"train": "trajectory", "test": "trajectory"}.get(path.stem, path.stem)
         assert kind in {*KINDS, *EXPERIMENTS, *plugs.names("studies")}
         open_dataset(path, kind)
+
+
+def test_units_are_written_so_that_programs_read_them(small):
+    """As UDUNITS does, whose exponents are whole. It takes kg0.5 for half of something, and refuses
+    kg^(1/2), which pint and astropy read.
+    """
+    part = r"[A-Za-z]+(-?[1-9]|\^\(-?1/2\))?"
+    found = set()
+    for path in (small.results / "folding").rglob("*.nc"):
+        with xr.open_dataset(path) as data:
+            found |= {one.attrs["units"] for one in data.variables.values()}
+    assert {"m", "rad s-1", "kg^(1/2)"} <= found
+    assert not {unit for unit in found if not re.fullmatch(f"1|{part}( {part})*", unit)}
 
 
 def test_every_table_figure_and_page_is_there(small):

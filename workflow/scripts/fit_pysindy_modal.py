@@ -76,7 +76,7 @@ def fit(structure, train, *, modes, degree, threshold):
             ("mode", "dof"),
             encoder,
             "projection of displacement and of velocity",
-            "kg0.5",
+            "kg^(1/2)",
         ),
         "scale": (
             ("coordinate",),
@@ -108,7 +108,7 @@ def fit(structure, train, *, modes, degree, threshold):
             "exponents of the dynamics' monomials",
             "1",
         ),
-        "force": (("mode", "dof"), phi, "projection of the load", "kg-0.5"),
+        "force": (("mode", "dof"), phi, "projection of the load", "kg^(-1/2)"),
     }
     return arrays, mapped - started, time.perf_counter() - mapped
 

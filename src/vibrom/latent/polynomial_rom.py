@@ -30,7 +30,7 @@ class PolynomialRom(Rom):
     """W, s, the coefficients D and R with the exponents of their monomials, and F."""
 
     encoder: np.ndarray = stored(  # W (d, n)
-        "kg0.5", "projection of displacement and of velocity", "mode", "dof"
+        "kg^(1/2)", "projection of displacement and of velocity", "mode", "dof"
     )
     scale: np.ndarray = stored(  # s (2d,), in the unit of each coordinate
         "1", "scale of the reduced coordinates in the monomials, in their own units", "coordinate"
@@ -48,7 +48,7 @@ class PolynomialRom(Rom):
         "1", "exponents of the dynamics' monomials", "dynamics_term", "coordinate"
     )
     force: np.ndarray | None = stored(  # F (d, n); None: loads are Unsupported
-        "kg-0.5", "projection of the load", "mode", "dof"
+        "kg^(-1/2)", "projection of the load", "mode", "dof"
     )
     extrapolation: Extrapolation = "none"
 

@@ -101,7 +101,7 @@ def linear_variables(scene: RecordedScene, decays: Decays) -> Variables:
         given = known(scene.operators, len(decays.names), decays.frequency)
         shapes, frequency = given.modes, given.frequencies
         ratio = np.einsum("ki,ij,kj->k", shapes, given.damping, shapes) / (2 * frequency)
-        units, words = "kg-0.5", "mass-normalised eigenmodes of the undamped linear body"
+        units, words = "kg^(-1/2)", "mass-normalised eigenmodes of the undamped linear body"
         matrices = {"mass": "kg", "damping": "kg s-1", "stiffness": "N m-1"}
     variables = {
         "mode_shape": variable(("mode", "dof"), shapes, units, words),

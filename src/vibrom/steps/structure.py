@@ -111,7 +111,7 @@ def of_modes(term: Term, frequency: np.ndarray, shape: np.ndarray) -> Variables:
         "mode_shape": variable(
             ("mode", "dof"),
             shape,
-            "kg-0.5",
+            "kg^(-1/2)",
             "mass-normalised eigenmodes of the undamped linear body",
         ),
         "frequency": variable("mode", frequency, "rad s-1", "undamped angular eigenfrequencies"),

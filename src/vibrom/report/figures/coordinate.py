@@ -39,7 +39,7 @@ def draw(collection, scores, scene) -> Figure:
     figure, (coordinate, shapes, errors) = layout.grid(3, least=layout.COLUMN, height=1.25)
     known = collection.mesh(scene)
     train, test = (collection.find(scene, FULL_ORDER, name) for name in ("train", "test"))
-    coordinate.set(xlabel="time [s]", ylabel="modal coordinate [kg0.5 m]", title=scene)
+    coordinate.set(xlabel="time [s]", ylabel="modal coordinate [m √kg]", title=scene)
     shapes.set(**body.labels(known), aspect="equal")
     errors.set(
         xlabel="order of the polynomials [1]", ylabel="reconstruction NMTE [%]", yscale="log"

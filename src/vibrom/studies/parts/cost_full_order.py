@@ -46,7 +46,7 @@ COLUMNS = {
     "residual": Column("1", "relative residual of a converged step"),
     "initial_acceleration": Column("1", "start of the integration", missing=""),
     "first_frequency": Column("rad s-1", "undamped first angular frequency"),
-    "modal_amplitude": Column("kg0.5 m", "largest modal coordinate of the last forced period"),
+    "modal_amplitude": Column("kg^(1/2) m", "largest modal coordinate of the last forced period"),
     **columns(
         error="error against the reference",
         seconds="median wall time of the run; of the frequency: assembly and eigenmodes",
