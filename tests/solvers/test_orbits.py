@@ -119,9 +119,14 @@ def test_shooting_that_cannot_begin_finds_nothing():
     assert len(shoot(oscillator(), np.zeros(1), np.ones(1), begun, 1.0).action) == 0
 
 
-def test_a_branch_that_leads_back_is_not_followed(monkeypatch):
-    """A resonance within the body turns the action; a dip of a thousandth is passed."""
-    roots, asked = [0.5, 0.9, 0.8995, 1.0, 1.1, 1.095, 1.05, 1.2, 1.3], []
+@pytest.mark.parametrize(
+    "end",
+    [np.linspace(1.09, 1.0, 9), np.linspace(1.1, 1.1 + 2e-5, 9)],
+    ids=["leads back", "creeps"],
+)
+def test_a_branch_is_followed_while_its_action_grows(monkeypatch, end):
+    """A resonance within the body may turn it; a dip is passed."""
+    roots, asked = [0.5, 0.9, 0.8995, 1.0, 1.1, *end, 2.0], []
 
     def measured(problem, term, point, begun):
         asked.append(point)
@@ -132,9 +137,11 @@ def test_a_branch_that_leads_back_is_not_followed(monkeypatch):
     monkeypatch.setattr(shooting.continuation, "walk", lambda *_: iter(range(1, len(roots))))
     values = np.cos(ANGLE)[None, :, None]
     begun = Orbits(np.array([0.36]), np.array([1j]), values)
-    found = shoot(oscillator(), np.zeros(1), np.ones(1), begun, 2.0)
-    np.testing.assert_allclose(np.sqrt(found.action), [0.9, 1.0, 1.1])
-    assert asked == list(range(7))  # as far as 1.05
+    found = np.sqrt(shoot(oscillator(), np.zeros(1), np.ones(1), begun, 3.0).action)
+    assert (np.diff(found) > 0.0).all()
+    np.testing.assert_allclose(found[:3], [0.9, 1.0, 1.1])
+    np.testing.assert_allclose(found[-1], 1.1, rtol=1e-4)
+    assert asked == list(range(5 + shooting.WAIT))
 
 
 def test_differences_of_a_trigonometric_polynomial_are_exact():

@@ -30,13 +30,13 @@ STEPS, DAMPING = 300, 0.05  # to a period; Newmark's alpha
 TURN, SCALE = 0.5, 60.0  # rad; of the first force, which grows by far
 TRIES, MOST = 4, 60  # motions from which it may begin; motions at most
 MODES = 50  # along which derivatives are taken
-BACK = 0.99  # of the largest root of the action; a branch that falls below it leads back
+WAIT, GROWTH = 6, 1e-4  # motions in which the root of the action has to grow by this part of it
 
 
 def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: float) -> Orbits:
     """The motions beyond those of `begun`, whose values are displacements from `rest` (n,), as far
-    as the root of the action `last`, or as far as they can be followed with a growing action, which
-    an internal resonance may turn back; none where none is found.
+    as the root of the action `last`, or as far as they can be followed while their action
+    grows, which an internal resonance may turn back; none where none is found.
     """
     push = term.mass @ mode
     push *= -np.sign(push @ begun.values[-1, 0]) / np.sqrt(mode @ push)
@@ -51,12 +51,8 @@ def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: f
         try:
             problem, point, pace = _begin(flow, begun)
             walk = continuation.walk(problem, point, pace)
-            highest = 0.0
-            while len(found) < MOST and highest < last:
+            while len(found) < MOST and _leads_on([root for root, *_ in found], last):
                 found.append(_measured(problem, term, point, begun))
-                highest = max(highest, found[-1][0])
-                if found[-1][0] < BACK * highest:
-                    break
                 point = next(walk)
         except Lost:
             pass
@@ -68,6 +64,13 @@ def shoot(term: Term, rest: np.ndarray, mode: np.ndarray, begun: Orbits, last: f
         np.array([rate for _, rate, _ in kept], complex),
         np.array([values for _, _, values in kept]).reshape(-1, count, len(mode)),
     )
+
+
+def _leads_on(roots: list[float], last: float) -> bool:
+    """Are the roots of the action still below `last`, and growing?"""
+    if len(roots) <= WAIT:
+        return max(roots, default=0.0) < last
+    return (1.0 + GROWTH) * max(roots[:-WAIT]) < max(roots) < last
 
 
 def _begin(flow: NewmarkMap, begun: Orbits) -> tuple[Resonance, Point, Pace]:
