@@ -15,6 +15,7 @@ from vibrom.models import samples, scratch
 from vibrom.models.decoded import decoded
 from vibrom.models.measures import distance, nmte_percent
 from vibrom.models.model import Watch
+from vibrom.report.collection import Collection
 
 RNG = np.random.default_rng(5)
 SLICES = {
@@ -110,6 +111,21 @@ def test_a_file_is_open_only_while_it_is_read(stored):
     del second
     open_dataset(path, "trajectory", lazy=True)
     assert first.identical(whole)
+
+
+def test_a_collection_holds_nothing_that_grows_with_a_motion(tmp_path, monkeypatch):
+    """But reads it when it is asked for, as it was; what is not what was written is refused."""
+    path = tmp_path / "two/full_order/test.nc"
+    path.parent.mkdir(parents=True)
+    save_dataset(two_dofs.record().assign_attrs(role="test"), path)
+    monkeypatch.setattr("vibrom.report.collection.LARGE", 1000)
+    (key,) = Collection.at([str(path)]).loaders
+    found = Collection.at([str(path)]).find(*key[:2], key.name)
+    held = {name: one for name, one in found.variables.items() if one._in_memory}
+    assert all(one.nbytes <= 1000 for name, one in held.items() if name not in found.dims)
+    assert {"displacement", "velocity"} <= found.variables.keys() - held.keys()
+    assert found.identical(open_dataset(path, "trajectory"))
+    assert found.encoding["source"] == str(path)
 
 
 def test_errors_in_blocks_are_those_of_whole_motions(monkeypatch):

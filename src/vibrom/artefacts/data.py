@@ -120,9 +120,11 @@ def save_dataset(
         on_disk.add(partial, {name: dataset.variables[name] for name in large})
 
 
-def open_dataset(path: str | Path, kind: str, *, lazy: bool = False) -> xr.Dataset:
+def open_dataset(
+    path: str | Path, kind: str, *, lazy: bool = False, large: int | None = None
+) -> xr.Dataset:
     """The dataset of this kind at `path`: in memory, or `lazy`, with large variables on disk until
-    something is read of them.
+    something is read of them; those of more bytes than `large` are let go once they are checked.
     """
     if not Path(path).exists():
         raise DataError(f"{path}: no such file; run the rule that makes this {kind}")
@@ -135,7 +137,7 @@ def open_dataset(path: str | Path, kind: str, *, lazy: bool = False) -> xr.Datas
     check(dataset, kind, str(path))
     identity.check_place(path, dataset.attrs)
     identity.check_content(path, dataset)
-    return dataset
+    return dataset if large is None else on_disk.let_go(dataset, path, large)
 
 
 def scored(dataset: xr.Dataset, values: dict[str, float], units: dict[str, str]) -> xr.Dataset:

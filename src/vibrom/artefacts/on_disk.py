@@ -8,7 +8,7 @@ was closed (`H5D_get_create_plist`, `H5T__vlen_disk_isnull`). So no file of ours
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -78,9 +78,21 @@ def left(dataset: xr.Dataset, path: str | Path) -> xr.Dataset:
     }
     read = dataset[list(whole)].load()
     for name in dataset.variables.keys() - whole.keys():
-        array = dataset.variables[name]
-        stored = OnDisk(str(path), str(name), array.shape, array.dtype)
-        lazy = indexing.LazilyIndexedArray(stored)
-        read[name] = xr.Variable(array.dims, lazy, array.attrs, array.encoding, fastpath=True)
+        read[name] = _stored(path, name, dataset.variables[name])
     read.encoding = dataset.encoding
     return read
+
+
+def let_go(dataset: xr.Dataset, path: str | Path, large: int) -> xr.Dataset:
+    """A dataset that was read from `path`, with what is larger than so many bytes left there."""
+    stored = {
+        name: _stored(path, name, array)
+        for name, array in dataset.variables.items()
+        if array.nbytes > large and array.dtype.kind in "iuf" and name not in dataset.dims
+    }
+    return dataset.assign(stored) if stored else dataset
+
+
+def _stored(path: str | Path, name: Hashable, array: xr.Variable) -> xr.Variable:
+    lazy = indexing.LazilyIndexedArray(OnDisk(str(path), str(name), array.shape, array.dtype))
+    return xr.Variable(array.dims, lazy, array.attrs, array.encoding, fastpath=True)

@@ -19,7 +19,8 @@ from vibrom.artefacts.identity import FITTED_ONCE, ROLES, attributes_of, place
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 
-OPEN = 256  # datasets that are kept in memory, but for their large variables
+OPEN = 256  # datasets that are kept in memory, but for their large variables,
+LARGE = 2**17  # bytes: all that grows with the length of a motion is on disk until it is read
 
 
 class Key(NamedTuple):
@@ -50,7 +51,7 @@ class Collection:
             kind = "trajectory" if name in ROLES else name
             model = None if seed == FITTED_ONCE else seed
             key = Key(attributes["scene"], attributes["method"], model, name)
-            loaders[key] = partial(open_dataset, path, kind, lazy=True)
+            loaders[key] = partial(open_dataset, path, kind, lazy=True, large=LARGE)
         return cls(loaders)
 
     @property
