@@ -18,9 +18,12 @@ except ImportError:
         "make one (see README.md)"
     )
 
-ROOT = Path(workflow.current_basedir)
+# A folder, or one of a repository elsewhere: then the package is the installed one, and the
+# configuration that of the working folder.
+HERE = workflow.current_basedir
+ROOT = Path(HERE.get_path_or_uri(secret_free=True)) if HERE.is_local else Path()
 OWN, RUNNING = ROOT / "src/vibrom", Path(vibrom.__file__).parent
-if OWN.is_dir() and not OWN.samefile(RUNNING):
+if HERE.is_local and OWN.is_dir() and not OWN.samefile(RUNNING):
     sys.exit(
         f"vibrom: {RUNNING} would run, and not this checkout's {OWN}; activate the environment of "
         "this checkout, or make one (see README.md)"

@@ -2,7 +2,7 @@
 # xarray alone. The rule writes rom.nc and losses.nc like any other fit, and its models take part in
 # every experiment and table.
 PYSINDY = METHODS["pysindy_modal"]
-PYSINDY_SCRIPT = ROOT / "workflow/scripts/fit_pysindy_modal.py"
+PYSINDY_SCRIPT = Path(workflow.source_path("../../scripts/fit_pysindy_modal.py"))
 PYSINDY_SETTINGS = ["modes", "degree", "threshold"]
 
 for KEY, VALUE in PYSINDY["settings"].items():

@@ -30,7 +30,7 @@ def checkpoint(method):
 def rules_of_tool(path):
     """The file of an outside tool: of the working folder, or one that is here."""
     own = Path(path).absolute()
-    return own if own.is_file() else ROOT / path
+    return own if own.is_file() else HERE.join(path)
 
 
 def of_equations(method):
