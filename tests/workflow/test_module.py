@@ -3,10 +3,11 @@
 import os
 import re
 import shutil
+import subprocess
 
 import pandas as pd
 import pytest
-from project_copy import ROOT, command, plan
+from project_copy import ROOT, command, copy, plan
 
 PATHS = {"PYTHONPATH": str(ROOT / "src")}
 CONFIG = """
@@ -80,3 +81,36 @@ def test_results_may_lie_in_another_folder(tmp_path):
         ROOT, "--cores", "1", "-n", "--quiet", "--directory", str(tmp_path), "scores", **PATHS
     )
     assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+HOSTED = """
+configfile: "config/config.yaml"
+
+module vibrom:
+    snakefile: github("somebody/vibrom", path="workflow/Snakefile", branch="main")
+    config: config
+
+use rule * from vibrom
+"""  # as snakedeploy writes it
+
+
+def test_a_hosted_repository_is_deployed(tmp_path):
+    """Git is told that the repository lies here."""
+    host, here = tmp_path / "host", tmp_path / "here"
+    host.mkdir()
+    copy(host)
+    shutil.copytree(ROOT / "config", here / "config")
+    (here / "workflow").mkdir()
+    (here / "workflow/Snakefile").write_text(HOSTED)
+    settings = tmp_path / "gitconfig"
+    settings.write_text(
+        f'[url "file://{host}"]\n    insteadOf = https://github.com/somebody/vibrom\n'
+        "[user]\n    name = one\n    email = one@localhost\n"
+    )
+    known = {"GIT_CONFIG_GLOBAL": str(settings), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    for words in (["init", "-q", "-b", "main"], ["add", "."], ["commit", "-q", "-m", "all"]):
+        subprocess.run(["git", *words], cwd=host, env=os.environ | known, check=True)
+    target = "results/small/full_order/structure.nc"
+    answer = command(here, "--cores", "1", "--", target, **PATHS, **known)
+    assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
+    assert (here / target).is_file()
