@@ -3,6 +3,7 @@ word.
 """
 
 import json
+import os
 import subprocess
 import sys
 
@@ -124,6 +125,17 @@ def test_what_was_asked_is_compared_with_what_is_asked(made):
 def test_another_input_makes_it_stale(made, place):
     xr.Dataset(attrs={"content": "2222"}).to_netcdf(place.with_name("structure.nc"), mode="w")
     assert made() == "made from other data (structure = '1111', now '2222')"
+
+
+def test_another_file_of_the_same_moment_is_another_input(tmp_path):
+    """As copies that keep their times are."""
+    mine, other = tmp_path / "mine.msh", tmp_path / "other.msh"
+    mine.write_text("one")
+    other.write_text("two")
+    os.utime(other, ns=(mine.stat().st_atime_ns, mine.stat().st_mtime_ns))
+    before = identity.made_from({"mesh": str(mine)})
+    other.replace(mine)
+    assert identity.made_from({"mesh": str(mine)}) != before
 
 
 def test_a_damaged_file_is_stale_too(made, place):

@@ -153,11 +153,13 @@ def made_from(inputs: Mapping[str, Any]) -> str:
 
 
 def _content_of(path: str) -> str:
-    return _content_as_of(path, Path(path).stat().st_mtime_ns)
+    now = Path(path).stat()
+    which = now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns, now.st_ctime_ns
+    return _content_as_of(path, which)
 
 
 @cache
-def _content_as_of(path: str, _written: int) -> str:
+def _content_as_of(path: str, _which: tuple[int, ...]) -> str:
     """Read once: a plan asks for that of a structure a hundred times."""
     if path.endswith(".nc") and (written := attributes_of(path).get("content")):
         return str(written)
