@@ -106,6 +106,17 @@ def saddle(damping, cubic):
     return replace(model, rom=replace(model.rom, dynamics=drift))
 
 
+def in_a_well(damping):
+    """x'' + c x' + 2 x + 3 x^2 + x^3 = a sin(Omega t): at rest in one of two wells, the other one
+    at x = -2, with a saddle between them.
+    """
+    model = nonlinearly_damped(damping, 0.0, 0.0, 1.0, 2.5)
+    powers = np.array([[1, 0], [0, 1], [2, 0], [3, 0]])
+    drift = np.array([[0.0, 1.0, 0.0, 0.0], [-2.0, -damping, -3.0, -1.0]])
+    rom = replace(model.rom, dynamics=drift, dynamics_powers=powers)
+    return replace(model, rom=rom, frequency=np.sqrt(2.0))
+
+
 DUFFING = {
     "mass": np.eye(1),
     "stiffness": np.eye(1),

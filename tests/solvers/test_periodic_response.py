@@ -221,7 +221,7 @@ def test_two_equal_oscillators_lose_their_symmetry_where_theory_says():
         assert np.abs(values - sign).min() < 2e-3
 
 
-def test_a_branch_ends_where_disturbances_grow_a_thousandfold_in_a_period():
+def test_a_branch_ends_where_disturbances_grow_too_much_in_a_period():
     """At a saddle that is little disturbed they grow by exp(lambda 2 pi/Omega)."""
     damping = 0.1
     rate = np.roots([1.0, damping, -1.0]).max()
@@ -232,6 +232,33 @@ def test_a_branch_ends_where_disturbances_grow_a_thousandfold_in_a_period():
     assert above[-2].orbit.p > last >= above[-1].orbit.p
     assert above[-1].orbit.outcome == below[-1].orbit.outcome == Outcome.LOST
     assert len(above) > 3
+
+
+def test_a_snap_through_is_followed_past_motions_that_are_left_a_thousandfold():
+    """Up to the motions through both wells, stable again, that come after them."""
+    damping, frequency, top = 0.3, 0.4, 0.6
+    flow = systems.in_a_well(damping).return_map()
+    pace = Pace(0.5 * top, turn=0.2, newton=True)
+    found = response(in_amplitude(flow, frequency), Span(0.02 * top, top, 400, 1e-3), pace)
+    assert found[-1].orbit.outcome == Outcome.OK
+    assert found[-1].orbit.p == pytest.approx(top)
+    largest = np.array([np.abs(item.multipliers).max() for item in found])
+    worst = found[int(largest.argmax())]
+    swings = np.array([np.ptp(item.swing.displacement) for item in found[largest.argmax() :]])
+    assert (swings[largest[largest.argmax() :] < 1.0] > 3.0).sum() > 5
+
+    def slope(t, y):
+        drive = worst.orbit.p * np.sin(frequency * t)
+        pull = -y[0] * (y[0] + 1.0) * (y[0] + 2.0) - damping * y[1] + drive
+        turned = -(2.0 + 6.0 * y[0] + 3.0 * y[0] ** 2)
+        beside = (y[3], turned * y[2] - damping * y[3], y[5], turned * y[4] - damping * y[5])
+        return [y[1], pull, *beside]
+
+    start = [*flow.state(worst.orbit.point.x), 1, 0, 0, 1]
+    end = solve_ivp(slope, (0, 2 * np.pi / frequency), start, rtol=1e-11, atol=1e-13).y[2:, -1]
+    exact = np.abs(np.linalg.eigvals(end.reshape(2, 2).T)).max()
+    assert exact > 3e3
+    assert largest.max() == pytest.approx(exact, rel=1e-2)
 
 
 def test_a_curve_that_cannot_be_begun_is_one_row():

@@ -16,9 +16,10 @@ from enum import StrEnum
 import numpy as np
 
 REAL = 1e-6  # of its size: an imaginary part that is rounding
-# Nothing shows a motion whose disturbances grow so much in a period, and three digits of it are
-# lost. A saddle that is driven at its own rate has exp(2 pi) = 535.
-WILD = 1e3
+# Nothing shows a motion whose disturbances grow so much in a period, and four digits of it are
+# lost. A saddle that is driven at its own rate has exp(2 pi) = 535; S-curves of a snap-through at
+# low frequencies pass some thousands on their way from one well to the other.
+WILD = 1e4
 
 
 class Kind(StrEnum):
