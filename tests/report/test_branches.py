@@ -81,6 +81,7 @@ def scores():
         "folds": (2.0, 0.0),
         "fold_frequency_error_percent": (0.5, np.inf),
         "stable_amplitude_error_percent": (1.0, np.inf),
+        "peak_frequency_error_percent": (0.25, np.nan),  # the other amplitude saturates
         "peak_error_percent": (0.0, 20.0),
         "wrong_stable_motions": (0.0, 4.0),
     }
@@ -134,6 +135,8 @@ def test_seeds_with_the_folds_of_the_full_order_are_counted(collection, scores):
     assert np.isnan(split["fold_frequency_error_percent"])
     assert split["fold_frequency_error_percent_min"] == 0.5
     assert split["peak_error_percent"] == 10.0 and split["wrong_stable_motions_max"] == 4.0
+    # A flat top has no frequency, which is no failure.
+    assert dict(zip(made.printed.head, made.printed.lines[1]))["Peak frequency [%]"] == "0.250"
     assert headline.folds(split) == "1 of 2, 10.0"
     (frame,) = headline.sections({"folds": made}).values()
     assert frame.to_numpy().tolist() == [["SPLIT", "1 of 2, 10.0"]]

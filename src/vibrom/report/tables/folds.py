@@ -7,7 +7,8 @@ and along the unstable parts, compared at equal arclength between ends and folds
 frequencies of the full order's grid the number of stable motions is another. A model without the
 full order's folds has none of the errors that need them: it counts as infinitely wrong. Where an
 amplitude saturates, so that more frequencies are within a thousandth of the highest point than in
-the full order's curve, that point has no frequency of its own, and no error of it.
+the full order's curve, that point has no frequency of its own, and no error of it: such seeds are
+left out there.
 
 Medians over seeds, smallest and largest in parentheses. Alike are the seeds whose curve has as many
 ends and folds on every branch as the full order's.
@@ -55,9 +56,24 @@ def build(collection, scores):
             continue
         row |= scores.spread(scene, model, "branches", "folds", worst=False).columns("folds")
         for name in ERRORS:
-            row |= scores.spread(scene, model, "branches", name).columns(name)
+            row |= spread(values(scores, scene, model, name), worst=True).columns(name)
         # Along branches only those are compared that have the same ends and folds.
         along = scores.of_experiment(scene, model, "branches", "stable_amplitude_error_percent")
         row["alike"] = sum(bool(np.isfinite(score.value)) for score in along)
         rows.append(row | {"outcome": endings(collection, scores, scene, model, "branches")})
     return rows
+
+
+def values(scores, scene, model, name):
+    """Of the seeds; without those whose highest point has a value, and no frequency."""
+    found = scores.of_experiment(scene, model, "branches", name)
+    if name != "peak_frequency_error_percent":
+        return [score.value for score in found]
+    peaks = [
+        scores.value(scene, model, score.seed, "branches", "peak_error_percent") for score in found
+    ]
+    return [
+        score.value
+        for score, peak in zip(found, peaks)
+        if np.isfinite(score.value) or not np.isfinite(peak)
+    ]
