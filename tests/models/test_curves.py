@@ -77,6 +77,18 @@ def test_a_peak_that_is_flat_where_the_true_one_is_not_has_no_frequency():
         assert off.peak_amplitude == pytest.approx(-100 * edge**2 / (1 + edge**2))
 
 
+def test_a_flat_top_beside_the_true_peak_is_at_a_wrong_frequency():
+    """By as much as it was shifted, but for the width of the top."""
+    truth = single()
+    flat = replace(truth, amplitude=np.minimum(truth.amplitude, 1 / (1 + 0.35**2)))
+    inside, about = flat.top
+    assert np.isnan(difference(flat, truth).peak_parameter)
+    place = truth.parameter[truth.peak]
+    for shift in (-3.0 * about, 3.0 * about):
+        off = difference(replace(flat, parameter=flat.parameter + shift), truth).peak_parameter
+        assert off == pytest.approx(100 * shift / place, abs=100 * about / place)
+
+
 def test_a_branch_that_ended_early_is_not_whole():
     cut = folded().part(slice(0, 3))
     cut = replace(cut, kind=np.array([Kind.REGULAR, Kind.FOLD, Kind.END]))

@@ -117,7 +117,8 @@ class Difference:
 
     fold_parameter: float  # largest of the main folds
     fold_amplitude: float  # largest of the main folds
-    peak_parameter: float  # NaN of an amplitude that saturates: a flat top has no such place
+    # NaN of an amplitude that saturates about the true place: on a flat top there is no such place
+    peak_parameter: float
     peak_amplitude: float
     bistable_width: float
     stable_amplitude: float  # largest along the stable parts of matched branches
@@ -142,7 +143,9 @@ def difference(curve: Curve, truth: Curve) -> Difference:
             return float("inf")
         return float(np.abs(off(name, folds, true_folds)).max(initial=0.0))
 
-    saturated = curve.top[0] > truth.top[1]
+    inside, about = curve.top
+    apart = abs(curve.parameter[curve.peak] - truth.parameter[truth.peak])
+    saturated = inside > truth.top[1] and apart <= about
     peak = float("nan") if saturated else float(off("parameter", curve.peak, truth.peak))
     stable, unstable = _along(curve, truth) if matched else (float("inf"), float("inf"))
     return Difference(

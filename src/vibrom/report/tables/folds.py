@@ -6,9 +6,10 @@ with two stable motions or more (with their sign); largest error of the amplitud
 and along the unstable parts, compared at equal arclength between ends and folds; and at how many
 frequencies of the full order's grid the number of stable motions is another. A model without the
 full order's folds has none of the errors that need them: it counts as infinitely wrong. Where an
-amplitude saturates, so that more frequencies are within a thousandth of the highest point than in
-the full order's curve, that point has no frequency of its own, and no error of it: such seeds are
-left out there.
+amplitude saturates about the true peak, so that more frequencies than in the full order's curve are
+within a thousandth of the highest point, that point has no frequency of its own, and no error of
+it: such seeds are left out there. A flat top that lies apart from the true peak is as wrong as its
+highest point.
 
 Medians over seeds, smallest and largest in parentheses. Alike are the seeds whose curve has as many
 ends and folds on every branch as the full order's.
