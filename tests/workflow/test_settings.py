@@ -208,17 +208,11 @@ def test_seed_folders_and_starts(root):
 
 def test_some_experiments_are_evaluated_where_scenes_set_them(project, tmp_path):
     every = load(project)
-    assert (
-        set(every.asked("folding"))
-        == set(every.experiments)
-        >= {"branches", "s_curve", "resonance", "sweeps"}
-    )
-    assert set(every.experiments) - set(every.asked("small")) == {
-        "branches",
-        "s_curve",
-        "resonance",
-        "sweeps",
-    }
+    loads, curves = {"response", "random_forcing"}, {"branches", "s_curve", "resonance", "sweeps"}
+    assert set(every.experiments) - set(every.asked("folding")) == loads
+    assert set(every.experiments) - set(every.asked("small")) == loads | curves
+    struck = load(project, overlay(tmp_path, "scenes: [struck]\nstudies: null"))
+    assert set(every.experiments) - set(struck.asked("struck")) == curves
     less = overlay(tmp_path, "scene_settings: {folding: {experiments: {sweeps: null}}}")
     assert "sweeps" not in load(project, less).asked("folding")
     more = overlay(tmp_path, "scene_settings: {small: {experiments: {branches: {forcing: 1}}}}")

@@ -77,7 +77,8 @@ FAMILIES = {
     if name in SHOWN_SCENES
 }
 PRESENT = [name for name, family in FAMILIES.items() if family.scenes]
-TABLES = {name: outputs.tables(name, SETTINGS.experiments) for name in PRESENT}
+ASKED = [name for name in SETTINGS.experiments if any(name in SETTINGS.asked(s) for s in SCENES)]
+TABLES = {name: outputs.tables(name, ASKED) for name in PRESENT}
 FIGURES = {
     name: outputs.figures(name, FAMILIES[name].scenes, RECORDED_SCENES, SETTINGS.asked)
     for name in PRESENT
