@@ -1,6 +1,8 @@
 """Motions that go to a scratch file, against the same in memory."""
 
+import os
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -44,10 +46,19 @@ def test_a_slice_of_the_file_is_that_of_the_array(part, monkeypatch):
     lazy = made.variable
     assert not lazy._in_memory
     # (q + q_0) - q_0 is q but for the rounding of the sum.
-    read, whole = [], np.fromfile
-    monkeypatch.setattr(np, "fromfile", lambda *given: read.append(given[2]) or whole(*given))
+    read, whole = [], os.pread
+    monkeypatch.setattr(os, "pread", lambda *given: read.append(given[1] // 8) or whole(*given))
     np.testing.assert_allclose(lazy[part].values, Q[part], rtol=1e-13, atol=1e-14)
     assert all(count <= 4 * 3 for count in read)  # however far apart its rows are
+
+
+def test_threads_may_read_the_same_file():
+    made = scratch.OnScratch((1, 1000, 500), 0.0)
+    rows = np.arange(1000.0)[:, None] + np.zeros(500)
+    made.append(0, rows)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda row: made.variable[0, row].values, [*range(0, 1000, 7)] * 3))
+    np.testing.assert_array_equal(found, [*rows[::7]] * 3)
 
 
 def test_small_motions_are_in_memory_and_too_large_ones_are_refused_in_a_line(monkeypatch):

@@ -7,6 +7,7 @@ The file has no name and goes with what reads it. It lies in the folder for such
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 from dataclasses import dataclass, field
@@ -67,9 +68,9 @@ class OnScratch(BackendArray):
         near = np.split(numbers, 1 + np.flatnonzero(np.diff(numbers // some)))
         for part in near if len(numbers) else []:
             low, high = int(part.min()), int(part.max()) + 1
-            self.file.seek(self._place(run, low))
-            block = np.fromfile(self.file, float, (high - low) * n).reshape(-1, n)
-            found.append(block[part - low][:, columns])
+            # At its place, not at the file's own, which threads and forks share.
+            read = os.pread(self.file.fileno(), 8 * n * (high - low), self._place(run, low))
+            found.append(np.frombuffer(read).reshape(-1, n)[part - low][:, columns])
         return np.concatenate(found)
 
     def _place(self, run: int, row: int) -> int:
