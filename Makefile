@@ -39,14 +39,14 @@ static: environment
 check: static
 	$(BIN)/python -m pytest -q -m "not slow"
 
-# Two halves of the tests run beside each other, and the checks after the one that ends first. The
-# first has the whole runs and what is shown of them; the second has all parts, and those runs that
+# Two halves of the tests run beside each other, and beside them, at first, the checks. The first
+# half has the whole runs and what is shown of them; the second has all parts, and those runs that
 # share nothing with others, so that both take as long. What each has to say is shown when it ends.
 RUNS := tests/workflow tests/report
 ALONE := $(addprefix tests/workflow/,test_faults.py test_module.py test_tracking.py)
 PARTS := $(filter-out $(RUNS),$(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py)))))
 test: environment
-	@$(MAKE) --no-print-directory --output-sync=target -kj 2 test-workflow test-parts static
+	@$(MAKE) --no-print-directory --output-sync=target -kj 3 test-workflow test-parts static
 	@echo "Next: 'make' runs the main job and ends with the numbers to look at first."
 
 test-workflow:
