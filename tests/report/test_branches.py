@@ -1,5 +1,8 @@
 """Response curves with all branches: landmarks, medians and the headline's cells by hand."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -148,3 +151,10 @@ def test_the_answer_says_who_knows_that_two_motions_are_possible(collection, sco
         "In folding the full order has two motions between its folds; with folds: SPLIT in 1 of 2 "
         "seeds."
     )
+
+
+def test_curves_are_read_without_solvers():
+    """Every job of tables and figures reads some; numba alone takes half a second to import."""
+    code = "import sys, vibrom.report.answer, vibrom.report.tables.folds; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numba", "scipy.interpolate", "skfem"} & set(run.stdout.split())
