@@ -4,10 +4,12 @@ again.
 
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
+import yaml
 from miniature import FITTED_ONCE, SEEDED, Run
-from project_copy import plan
+from project_copy import ROOT, plan
 
 from vibrom.artefacts.data import open_dataset
 from vibrom.report import outputs
@@ -17,6 +19,7 @@ ROBUSTNESS = {"robustness_model", "robustness_tables", "robustness_figures_of_sc
 COST = {"cost_models", "cost_tables", "cost_figures_of_scene"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "models_figures_of_scene"}
+SAME = ("folding", "again")
 SINKS |= {"report", "tracking", "crate", "headline", "all"}
 
 
@@ -186,3 +189,33 @@ def test_damaged_artefacts_are_made_again_and_the_others_stay(small, tmp_path):
     assert {name: content for name, content in others.items() if name not in made} == {
         name: content for name, content in small.contents().items() if name not in made
     }
+
+
+def test_what_two_scenes_ask_alike_is_made_in_the_first_one(small):
+    """A second scene with the same body, released elsewhere: its response from rest and the model
+    from its equations are those of the first, seconds and all. Under another load they are not.
+    """
+    scene = (small.folder / "config/scenes/folding.yaml").read_text()
+    (small.folder / "config/scenes/again.yaml").write_text(scene)
+    block = yaml.safe_load((ROOT / "tests/workflow/small_dag.yaml").read_text())["scene_settings"]
+    path = small.folder / "twice.yaml"
+
+    def ask(**experiments):
+        again = block["folding"] | {"releases": {"test": {"step": 300}}, "experiments": experiments}
+        overlay = {"scenes": ["folding", "again"], "scene_settings": {"again": again}}
+        path.write_text(yaml.safe_dump(overlay))
+
+    names = ("full_order/frc", "equations/unseeded/rom", "equations/unseeded/losses")
+    first, second = ([f"results/{scene}/{name}.nc" for name in names] for scene in SAME)
+    ask()
+    made = small.snakemake("--cores", "2", *second[:2], overlays=(str(path),))
+    assert made.returncode == 0, made.stdout + made.stderr
+    for there, here in zip(first, second):
+        before, after = (
+            open_dataset(small.folder / file, Path(file).stem) for file in (there, here)
+        )
+        assert before.equals(after) and after.attrs["scene"] == "again", here
+    asked = small.planned("--forceall", second[0], overlays=(str(path),))
+    ask(frc={"forcing": 50.0})
+    other = small.planned("--forceall", second[0], overlays=(str(path),))
+    assert (asked["full_order_frc"], other["full_order_frc"]) == (2, 1)

@@ -58,6 +58,7 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
         name:
             f"full_order_{EXPERIMENT}"
         input:
+            unpack(answered_once(EXPERIMENT).inputs),
             **reads([EXPERIMENT], settings.FULL_ORDER),
             structure=rules.structure.output.structure,
         output:
@@ -72,7 +73,7 @@ for EXPERIMENT, CONSTANTS in EXPERIMENTS.items():
         resources:
             mem_mb=memory("full_order_answer"),
         params:
-            step="ask",
+            step=answered_once(EXPERIMENT).step,
             questions=asked([EXPERIMENT]),
             names=lambda wildcards: {
                 "scene": wildcards.scene,

@@ -17,6 +17,7 @@ for METHOD, BLOCK in METHODS.items():
         name:
             f"fit_{METHOD}"
         input:
+            unpack(fitted_once(METHOD).inputs),
             unpack(start_input(METHOD)),
             **learnt_from(METHOD),
             structure=rules.structure.output.structure,
@@ -35,7 +36,7 @@ for METHOD, BLOCK in METHODS.items():
             **resources(METHOD),
         params:
             **equations_of(METHOD),
-            step="fit",
+            step=fitted_once(METHOD).step,
             recipe=recipe(METHOD),
             checkpoint=checkpoint(METHOD),
             provenance=fit_code(METHOD),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -84,13 +85,22 @@ def spread(values: Iterable[float], *, worst: bool) -> Spread:
 
 
 class Scores:
-    """All scores of a run."""
+    """All scores of a run, collected when one is first asked for: few figures show any."""
 
     def __init__(self, rows: Iterable[Score]):
-        self.rows = list(rows)
-        self._by_experiment: dict[tuple, list[Score]] = defaultdict(list)
+        self._source = rows
+
+    @cached_property
+    def rows(self) -> list[Score]:
+        """In the order of the run."""
+        return list(self._source)
+
+    @cached_property
+    def _by_experiment(self) -> dict[tuple, list[Score]]:
+        found = defaultdict(list)
         for row in self.rows:
-            self._by_experiment[row.scene, row.method, row.experiment].append(row)
+            found[row.scene, row.method, row.experiment].append(row)
+        return found
 
     @classmethod
     def of(cls, collection: Collection) -> Scores:

@@ -133,6 +133,29 @@ def reduced_code(experiments):
     )
 
 
+def read_for(experiment):
+    """It, and all that it reads, directly or not."""
+    needs = EXPERIMENTS[experiment]["reads"] if experiment in EXPERIMENTS else ()
+    return {experiment}.union(*map(read_for, needs))
+
+
+def answered_once(experiment):
+    """Scenes with the same body, effects and time steps share what is asked alike of the full
+    order.
+    """
+    needs = sorted(read_for(experiment))
+    blocks = ["body", "effects", "time"]
+    blocks += [] if set(RECORDED).isdisjoint(needs) else ["releases", "record"]
+
+    def question(scene):
+        if scene in RECORDED_SCENES:
+            return scene
+        made = SCENES[scene]
+        return [made[block] for block in blocks] + [made["experiments"].get(need) for need in needs]
+
+    return once("ask", question, (experiment,), settings.FULL_ORDER)
+
+
 def full_order_answer_code(experiment):
     """The code of the experiment, of the full-order model and of the scene's effects and signals;
     of a recorded scene that of what was measured.
@@ -142,7 +165,8 @@ def full_order_answer_code(experiment):
         model = "measured" if wildcards.scene in RECORDED_SCENES else "full_order"
         own = f"experiments.{experiment}", f"models.{model}"
         signals = SETTINGS.signals_of(wildcards.scene)
-        return code("ask", *own, *scene_modules(wildcards), *signals)
+        step = answered_once(experiment).step(wildcards)
+        return code(step, *own, *scene_modules(wildcards), *signals)
 
     return attributes
 

@@ -55,6 +55,16 @@ def resources(method):
     return own | {key: value for key, value in given.items() if key != "threads"}
 
 
+def fitted_once(method):
+    """Scenes with the same equations of motion share what is made from nothing else."""
+
+    def question(scene):
+        made = SCENES[scene]
+        return [made.get("body"), made.get("effects")] if of_equations(method) else scene
+
+    return once("fit", question, ("rom", "losses"), f"{method}/{{seed}}")
+
+
 def equations_of(method):
     """The blocks that make a scene's equations of motion, for the methods that ask for them."""
     return {"scene": scene_part()} if of_equations(method) else {}
@@ -65,7 +75,8 @@ def fit_code(method):
 
     def attributes(wildcards):
         effects = scene_modules(wildcards) if of_equations(method) else []
-        return code("fit", f"methods.{SETTINGS.kind_of(method)}", *effects)
+        step = fitted_once(method).step(wildcards)
+        return code(step, f"methods.{SETTINGS.kind_of(method)}", *effects)
 
     return attributes
 

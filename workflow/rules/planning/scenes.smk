@@ -1,4 +1,6 @@
-# The blocks of a scene, the code behind a result, a seed as a number.
+# The blocks of a scene, the code behind a result, a seed as a number, what scenes share.
+from collections.abc import Callable
+from typing import NamedTuple
 
 
 def code(step, *modules):
@@ -58,3 +60,30 @@ def full_order_code(step):
 def recorded_files(wildcards):
     """The files that a scene names."""
     return list(dict.fromkeys(recordings.files_of(SCENES[wildcards.scene]).values()))
+
+
+class Once(NamedTuple):
+    """How an answer that several scenes of the run share is made in the first of them, and read
+    there in the others: functions of a rule's wildcards.
+    """
+
+    inputs: Callable  # the answers of the first one as `same_<name>`
+    step: Callable  # the step that makes them, or that reads them
+
+
+def once(step, question, names, model):
+    """Of answers with these names in the folder of `model`; `question`: scene -> all that they
+    depend on.
+    """
+
+    def first(wildcards):
+        asked = question(wildcards.scene)
+        return next(name for name in SCENES if name == wildcards.scene or question(name) == asked)
+
+    def inputs(wildcards):
+        scene = first(wildcards)
+        folder = f"<results>/{scene}/{model}".format(**dict(wildcards.items()))
+        others = () if scene == wildcards.scene else names
+        return {f"same_{name}": f"{folder}/{name}.nc" for name in others}
+
+    return Once(inputs, lambda wildcards: "same" if inputs(wildcards) else step)

@@ -239,6 +239,7 @@ def numbers(axis: Axis) -> list[Tick]:
 def place(figure: Figure) -> None:
     """Names of points go where nothing is drawn; those without such a place are left out."""
     for panel in figure.axes:
+        panel.apply_aspect()
         thin(panel.xaxis)
         thin(panel.yaxis)
         names = [text for text in panel.texts if text.get_gid() == NAME]

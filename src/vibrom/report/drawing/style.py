@@ -49,6 +49,8 @@ STYLE = DEFAULTS | {
     "path.simplify_threshold": 0.3,
 }
 
+LAID_OUT = STYLE | {"figure.constrained_layout.use": False}  # or every file is drawn twice
+
 # The reference in every comparison: wide and pale, so that a thin dark line on top of it stays
 # visible without colour.
 TRUE = {"color": "0.72", "linewidth": 2.2, "linestyle": "-", "solid_capstyle": "round"}
@@ -120,7 +122,7 @@ def render(figure: Figure, form: str, digest: str = "unknown") -> bytes:
         "png": {"Software": "vibrom", "Description": source},
     }[form]
     content = io.BytesIO()
-    with matplotlib.rc_context(STYLE):
+    with matplotlib.rc_context(LAID_OUT):
         figure.savefig(content, format=form, metadata=metadata, dpi="figure")
     return (
         PATH.sub(lambda path: LONG.sub(rb"\1", path[0]), content.getvalue())

@@ -20,10 +20,11 @@ def make(name: str, collection: Collection, scores: Scores) -> Figure:
     with matplotlib.rc_context(style.STYLE):
         figure = draw(collection, scores, scene)
         layout.finish(figure)
-        figure.draw_without_rendering()
+        figure.get_layout_engine().execute(figure)
         layout.place(figure)
-        figure.set_layout_engine("none")
-        return figure
+    with matplotlib.rc_context(style.LAID_OUT):
+        figure.set_layout_engine(None)
+    return figure
 
 
 render = style.render  # (figure, form, digest) -> bytes
