@@ -29,6 +29,7 @@ SLOW = (
     "test_rollout.py",
     "test_thesis_rows.py",
     "workflow/test_bad_input.py",
+    "workflow/test_commands.py",
     "workflow/test_docs.py",
     "workflow/test_progress.py",
     "workflow/test_faults.py",

@@ -1,11 +1,9 @@
-"""README and the walks of docs/ as a newcomer follows them: their files are written as they stand,
-their commands and scripts are run, and what they promise is there.
+"""The walks of docs/ as a newcomer follows them: their files are written as they stand, what they
+add is run, their scripts too, and what they promise is there. test_commands.py runs the commands.
 """
 
 import os
 import re
-import shlex
-import shutil
 import subprocess
 import sys
 
@@ -13,20 +11,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from project_copy import ROOT, RUNS, command, copy, plan, warm
+from pages import FILE, blocks, lines, walk
+from project_copy import ROOT, RUNS, command, copy, warm
 
-PAGES = {
-    path.stem: path.read_text()
-    for path in [
-        ROOT / "README.md",
-        ROOT / "CONTRIBUTING.md",
-        *sorted((ROOT / "docs").rglob("*.md")),
-    ]
-}
-TEXT = "\n".join(PAGES.values())
 WALKS = ("method", "effect", "experiment", "study", "measurement")
-# `some/file.py`:  and then the file in a fenced block
-FILE = re.compile(r"`([\w./]+\.(?:py|yaml))`:\n\n```\w+\n(.*?)```", re.DOTALL)
 # All that the walks add, at once.
 OVERLAY = """
 scenes: [folding, sprung, ruler]
@@ -39,32 +27,13 @@ studies:
   trust: null
   loose_integration: {scenes: [folding], rtol: [1.0e-2, 1.0e-4]}
 """
-COMMAND = re.compile(r"^(snakemake|make|vibrom)\b(.*?)(?:\s+#.*)?$", re.MULTILINE)
-BLOCK = re.compile(r"```sh\n(.*?)```", re.DOTALL)
-
-
-def commands(text):
-    """The lines of shell blocks that run snakemake, make or vibrom."""
-    lines = "\n".join(BLOCK.findall(text))
-    return [f"{name}{rest}".strip() for name, rest in COMMAND.findall(lines)]
-
-
-def shown():
-    """Commands in README, docs, and the headers of the configuration's files."""
-    found = set(commands(TEXT))
-    for path in [*(ROOT / "config").glob("*.yaml"), ROOT / "Snakefile"]:
-        for line in path.read_text().splitlines():
-            comment = re.match(r"#.*?\b(snakemake --cores .*)$", line)
-            if comment:
-                found.add(re.split(r"\s{2,}", comment[1].strip().rstrip(".`)"))[0])
-    return sorted(found)
 
 
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory):
     """A copy of the repository with everything that the walks add, after the small run of it."""
     folder = copy(tmp_path_factory.mktemp("docs"), "src", "tests/workflow")
-    for name, text in FILE.findall(TEXT):
+    for name, text in FILE.findall("\n".join(map(walk, WALKS))):
         assert not (folder / name).exists(), f"{name} is there already"
         (folder / name).write_text(text)
     measure(folder)
@@ -84,9 +53,9 @@ def followed(tmp_path_factory):
 
 def measure(folder):
     """The scene of measured motion: its files, and what `vibrom record` makes of them."""
-    for name, text in FILE.findall(PAGES["measurement"]):
+    for name, text in FILE.findall(walk("measurement")):
         (folder / name).write_text(text)
-    for line in BLOCK.findall(PAGES["measurement"])[0].replace("\\\n", " ").splitlines():
+    for line in lines(blocks(walk("measurement"), "sh")[0]):
         program, *words = line.split()
         start = [sys.executable, *([] if program == "python" else ["-m", program])]
         environment = os.environ | {"PYTHONPATH": str(folder / "src")}
@@ -101,9 +70,9 @@ def table(folder, name):
     return pd.read_csv(folder / f"results/tables/{name}.csv", keep_default_na=False)
 
 
-@pytest.mark.parametrize("walk", WALKS)
-def test_every_walk_has_its_files(walk):
-    assert FILE.search(PAGES[walk])
+@pytest.mark.parametrize("name", WALKS)
+def test_every_walk_has_its_files(name):
+    assert FILE.search(walk(name))
 
 
 @pytest.mark.parametrize("method", ["one_mode", "ssmlearn_7"])
@@ -158,7 +127,7 @@ def test_the_measured_scene_is_predicted_and_what_needs_a_body_is_skipped(follow
 
 
 def test_the_script_about_measured_motion_runs_without_snakemake(followed):
-    script = re.search(r"## In Python.*?```python\n(.*?)```", PAGES["measurement"], re.DOTALL)[1]
+    script = re.search(r"## In Python.*?```python\n(.*?)```", walk("measurement"), re.DOTALL)[1]
     answer = subprocess.run(
         [sys.executable, "-c", script],
         cwd=followed,
@@ -174,7 +143,7 @@ def test_the_script_about_measured_motion_runs_without_snakemake(followed):
 
 def test_the_script_about_a_fitted_model_runs_and_predicts_as_the_scores_say(followed):
     """Its lines, one after the other; its folding beam is the small one here."""
-    script = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["python"], re.DOTALL))
+    script = "\n".join(re.findall(r"```python\n(.*?)```", walk("python"), re.DOTALL))
     script = script.replace("Integrator()", "Integrator(rtol=1.0e-4, atol=1.0e-6)")  # as the run's
     answer = subprocess.run(
         [sys.executable, "-c", script],
@@ -206,46 +175,3 @@ def test_the_documentation_is_built_without_a_warning(tmp_path):
     assert "times the damped first frequency" in page
     fetched = re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=\"(?:https?:)?//[^\"]+", page)
     assert not [tag for tag in fetched if "canonical" not in tag]
-
-
-@pytest.fixture(scope="module")
-def fresh(tmp_path_factory):
-    """A copy of the repository in which nothing was run."""
-    folder = copy(tmp_path_factory.mktemp("fresh"), "src")
-    (folder / "config/mine.yaml").write_text("scenes: [small]\n")
-    measure(folder)
-    return folder
-
-
-@pytest.mark.parametrize(
-    "line",  # what needs a Slurm and a plugin for it is run by tests/cluster
-    [line for line in shown() if line.startswith("snakemake") and "profiles/slurm" not in line],
-)
-def test_every_snakemake_command_that_is_shown_is_one(fresh, line):
-    """As it is typed; without running jobs, as most take minutes."""
-    words = shlex.split(line)[1:]
-    quiet = ["--list"] if "--list" in words else [*words, "--dry-run", "--quiet"]
-    answer = plan(fresh, *quiet, PYTHONPATH=str(fresh / "src"))
-    assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
-
-
-@pytest.mark.parametrize("line", [line for line in shown() if line.startswith("make")])
-def test_every_target_of_make_that_is_shown_is_one(tmp_path, line):
-    shutil.copy(ROOT / "Makefile", tmp_path)
-    answer = subprocess.run(
-        ["make", "--dry-run", *line.split()[1:]], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert answer.returncode == 0, answer.stderr
-
-
-@pytest.mark.parametrize(
-    "line",  # `vibrom record` is run where its files are
-    [line for line in shown() if line.startswith("vibrom") and "record" not in line],
-)
-def test_every_vibrom_command_that_is_shown_ends_well(tmp_path, line):
-    folder = copy(tmp_path, "src")
-    (folder / "config/mine.yaml").write_text("scenes: [small]\n")
-    answer = subprocess.run(
-        [sys.executable, "-m", *line.split()], cwd=folder, capture_output=True, text=True
-    )
-    assert answer.returncode == 0, answer.stderr
