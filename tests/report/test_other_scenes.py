@@ -1,11 +1,13 @@
 """What tables, headline and page leave out where a run has none of the thesis's scenes."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from vibrom.artefacts.outcome import Tally
+from vibrom.config import plugs
 from vibrom.report import answer, headline, outputs, sentences
 from vibrom.report import page as page_of
 from vibrom.report.columns import CASE, published
@@ -51,6 +53,20 @@ def test_captions_of_figures_speak_of_any_scene():
     said = {plug: " ".join(outputs.caption("figures", plug).paragraphs) for plug in plugs}
     assert len(said) > 20
     assert [plug for plug, text in said.items() if "0.525" in text or "bottom edge" in text] == []
+
+
+def test_captions_name_the_thesis_where_a_scene_is_one_of_its_cases():
+    names = {kind: plugs.names(f"report/{kind}") for kind in outputs.FORMATS}
+    every = outputs.captions(names, ["mine", "folding"])
+    assert every == outputs.captions(names)
+    assert every["tables/decay"].title == "Table 3.4: error of the predicted decay"
+    own = outputs.captions(names, ["mine"])
+    assert own.keys() == every.keys()
+    assert own["tables/decay"].title == "Error of the predicted decay"
+    for name, caption in own.items():
+        assert caption.paragraphs and not re.search("(?i)thesis|[23][.][0-9]", caption.rst), name
+        if "thesis" not in every[name].rst.lower():
+            assert caption.paragraphs == every[name].paragraphs, name
 
 
 def test_a_figure_of_an_experiment_is_there_where_a_scene_asks_it():

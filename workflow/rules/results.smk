@@ -42,7 +42,7 @@ rule report:
     params:
         step="report",
         tables_shown=plugs_shown("tables"),
-        captions=outputs.captions({kind: plugs_shown(kind) for kind in MADE}),
+        captions=outputs.captions({kind: plugs_shown(kind) for kind in MADE}, SCENES),
         provenance=code("report", *modules("tables"), *modules("figures")),
     message:
         "report"

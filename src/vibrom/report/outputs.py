@@ -11,11 +11,13 @@ family. An experiment without a table of its own has one of its scores.
 """
 
 import ast
+import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import NamedTuple
 
 from vibrom.config import plugs, source
+from vibrom.thesis.labels import CASES
 
 FORMATS = {"tables": ("csv", "tex", "html"), "figures": ("svg", "pdf", "png")}
 MODELS = "models"
@@ -43,6 +45,16 @@ class Caption(NamedTuple):
     def rst(self) -> str:
         """As reStructuredText, for Snakemake's report."""
         return "\n\n".join([f"**{self.title}**", *self.paragraphs]) + "\n"
+
+    @property
+    def of_own_scenes(self) -> "Caption":
+        """Without the thesis: its number of a table or figure, and sentences that name it."""
+        title = re.sub(r"^(?:Table|Figure)s? [\d. to]+: ", "", self.title)
+        left = (
+            " ".join(part for part in re.split(r"(?<=\.) ", text) if "thesis" not in part.lower())
+            for text in self.paragraphs
+        )
+        return Caption(title[0].upper() + title[1:], tuple(filter(None, left)))
 
 
 @cache
@@ -160,9 +172,16 @@ def caption(kind: str, name: str) -> Caption:
     return Caption(title.removesuffix("."), tuple(paragraphs))
 
 
-def captions(names: Mapping[str, Iterable[str]]) -> dict[str, Caption]:
-    """`tables/<name>` or `figures/<plug>` -> caption, of the names of each kind."""
-    return {f"{kind}/{name}": caption(kind, name) for kind in names for name in names[kind]}
+def captions(
+    names: Mapping[str, Iterable[str]], scenes: Iterable[str] = CASES
+) -> dict[str, Caption]:
+    """`tables/<name>` or `figures/<plug>` -> caption, of the names of each kind, in a run of these
+    scenes.
+    """
+    made = {f"{kind}/{name}": caption(kind, name) for kind in names for name in names[kind]}
+    if set(scenes) & set(CASES):
+        return made
+    return {place: one.of_own_scenes for place, one in made.items()}
 
 
 def _docstring(folder: str, name: str) -> list[str]:

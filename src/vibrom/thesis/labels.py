@@ -1,5 +1,8 @@
-"""What methods are called in print, in the order that gives each its colour, dash and marker."""
+"""The thesis's cases; what methods are called in print, in the order that gives each its colour,
+dash and marker.
+"""
 
+CASES = ("small", "large", "folding")
 LABELS = {
     "full_order": "Full order",
     "modal_projection": "Modal projection",

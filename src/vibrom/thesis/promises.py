@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from vibrom.config.places import FULL_ORDER
 from vibrom.thesis import published
+from vibrom.thesis.labels import CASES
 
 BODY = {"length": 1.0, "height": 0.02, "width": 0.05, "cells": [40, 2], "element": "bilinear"}
 EFFECTS = {  # what differs from the effects' own defaults
@@ -22,7 +23,7 @@ EFFECTS = {  # what differs from the effects' own defaults
     "rayleigh_damping": {"damping_ratio": 0.01},
     "modal_load": {"mode": 1},
 }
-FORCING = {"small": 1.0, "large": 600.0, "folding": 6000.0}  # of forced runs and response curves
+FORCING = dict(zip(CASES, (1.0, 600.0, 6000.0), strict=True))  # of forced runs, response curves
 REFERENCE, PROMISE = "reference reproduction", "promise"
 
 

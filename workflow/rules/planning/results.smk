@@ -198,10 +198,8 @@ def scored(part):
 
 def caption_file(kind, plug):
     """Snakemake takes captions from files: written where it keeps its own."""
-    path, text = (
-        Path(".snakemake/captions", kind, f"{plug}.rst").absolute(),
-        outputs.caption(kind, plug).rst,
-    )
+    path = Path(".snakemake/captions", kind, f"{plug}.rst").absolute()
+    text = outputs.captions({kind: [plug]}, SCENES)[f"{kind}/{plug}"].rst
     if not path.is_file() or path.read_text(encoding="utf-8") != text:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")

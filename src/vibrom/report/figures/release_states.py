@@ -1,9 +1,9 @@
 """Figure 3.1: release states
 
 Each state that training and test decays start from, with the displacement of the probe and, where
-the scene has one, of the tip (what the thesis prints as the tip's is the probe's), and the cases
-that use it. Each is the displacement at one step of a run forced from rest; velocity and
-acceleration are then set to zero. Dashed: the beam at rest.
+the scene has one, of the tip, and the cases that use it. Each is the displacement at one step of a
+run forced from rest; velocity and acceleration are then set to zero. Dashed: the beam at rest. What
+the thesis prints as the tip's displacement is the probe's.
 """
 
 import numpy as np

@@ -1,10 +1,11 @@
 """Break-even: after how many answers a method has paid for its training
 
 The least number of decays, forced runs and response curves for which training data, training and
-the model's answers take no longer than the same answers of the full order, with our times (table
-run_times) and with the thesis's. There is no number where a method does not answer the question
-(its median seed failed), and "never" where its answer takes longer than the full order's. A
-response curve with gaps has no run time; it counts with the seconds that it took.
+the model's answers take no longer than the same answers of the full order, by the times of the
+table run_times. Beside it stands the number that follows from the thesis's times. There is no
+number where a method does not answer the question (its median seed failed), and "never" where its
+answer takes longer than the full order's. A response curve with gaps has no run time; it counts
+with the seconds that it took.
 """
 
 import numpy as np

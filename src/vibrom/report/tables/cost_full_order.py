@@ -2,12 +2,13 @@
 
 One row a setting. Varied are the time step for each scheme (Newmark, generalised alpha or
 energy-momentum, its numerical damping alpha, and whether the first acceleration obeys the equation
-of motion or is zero, as in the thesis), the residual at which a step has converged, and the mesh.
-Errors in time are NMTEs of the test decay and of the last period of a forced run from rest, against
-the same mesh with a fine step, no numerical damping and a tight residual; the row "reference" gives
-the estimated error of that (Richardson). Errors of meshes are those of the first frequency and of
-the largest modal coordinate in the last period of a run forced at the mesh's own first frequency,
-against the finest mesh, whose error is taken to be its distance from the mesh half as fine.
+of motion or is zero), the residual at which a step has converged, and the mesh. In the thesis the
+first acceleration is zero. Errors in time are NMTEs of the test decay and of the last period of a
+forced run from rest, against the same mesh with a fine step, no numerical damping and a tight
+residual; the row "reference" gives the estimated error of that (Richardson). Errors of meshes are
+those of the first frequency and of the largest modal coordinate in the last period of a run forced
+at the mesh's own first frequency, against the finest mesh, whose error is taken to be its distance
+from the mesh half as fine.
 
 Times are medians of repeated runs, without loading and compilation; the artefacts name processor,
 threads and load.

@@ -3,8 +3,8 @@
 How many points of each curve have a value, the peak of the probe and where it lies (medians over
 the seeds whose curve is whole), and the amplitude error against the full order, median and
 largest over frequencies and then median over seeds; a failed point counts as infinitely wrong, and
-a point at which the full order itself failed is left out. Amplitudes are those of the thesis: the
-largest value of y, with its sign, in the last period.
+a point at which the full order itself failed is left out. An amplitude is the largest value of y,
+with its sign, in the last period. The thesis takes the same.
 
 The .csv of this table has every point: amplitude of probe and tip, phase, outcome, time of
 failure, and, where the artefact has it, half the distance from the smallest to the largest value
