@@ -17,7 +17,8 @@ import shutil
 import socket
 import tempfile
 import uuid
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -33,8 +34,8 @@ NOTE = (
     "does that accuracy cost in time? One run is one model in one scene; errors are in percent, "
     "times in seconds. The whole answer is in `results/report.html`."
 )
-# What the store takes in one request.
-METRICS, PARAMS = 1000, 100
+# What the store takes in one request, which holds both.
+METRICS, PARAMS = 900, 100
 # Points of a curve: the artefact has all of them, a chart needs no more.
 POINTS = 250
 OWNER = "vibrom.store"  # the tag of runs on a server: which store they are those of
@@ -84,9 +85,10 @@ def record(runs: Iterable[TrackedRun], *, store: str | Path, artifacts: str | Pa
     # has no character that means something in an address, as a project's may.
     with tempfile.TemporaryDirectory(prefix="vibrom_mlflow_") as folder:
         made = Path(folder) / "mlflow.db"
-        client = client_of(tracking_uri=f"sqlite:///{made}")
-        experiment = client.create_experiment(EXPERIMENT, artifact_location=artifacts.as_uri())
-        _fill(client, experiment, runs)
+        with _unsafe_until_whole():
+            client = client_of(tracking_uri=f"sqlite:///{made}")
+            experiment = client.create_experiment(EXPERIMENT, artifact_location=artifacts.as_uri())
+            _fill(client, experiment, runs)
         partial = store.with_name(f".{store.name}.{uuid.uuid4().hex}.partial")
         try:
             shutil.copyfile(made, partial)
@@ -109,6 +111,25 @@ def thinned(steps: Iterable[int], values: Iterable[float]) -> list[tuple[int, fl
     curve = list(zip(steps, values, strict=True))
     stride = -(-len(curve) // POINTS) or 1
     return curve[::-1][::stride][::-1]
+
+
+@contextmanager
+def _unsafe_until_whole() -> Iterator[None]:
+    """Nothing waits for the disk while a store is filled that is copied when it is whole: MLflow
+    commits some twenty times a run.
+    """
+    from sqlalchemy import event
+    from sqlalchemy.engine import Engine
+
+    def connected(connection, _):
+        connection.execute("pragma synchronous = off")
+        connection.execute("pragma journal_mode = memory")
+
+    event.listen(Engine, "connect", connected)
+    try:
+        yield
+    finally:
+        event.remove(Engine, "connect", connected)
 
 
 def _mlflow():
@@ -174,10 +195,9 @@ def _log(client, experiment: str, run: TrackedRun, more: dict[str, str]) -> None
             if math.isfinite(value)
         ]
     params = [Param(name, str(value)[:6000]) for name, value in run.params.items()]
-    for first in range(0, len(points), METRICS):
-        client.log_batch(identity, metrics=points[first : first + METRICS], synchronous=True)
-    for first in range(0, len(params), PARAMS):
-        client.log_batch(identity, params=params[first : first + PARAMS], synchronous=True)
+    while points or params:
+        client.log_batch(identity, points[:METRICS], params[:PARAMS], synchronous=True)
+        del points[:METRICS], params[:PARAMS]
     for folder, files in run.files.items():
         for file in files:
             client.log_artifact(identity, file, folder)

@@ -26,15 +26,19 @@ class Parts(NamedTuple):
 
 
 def save(parts: Parts, home: Path) -> None:
-    """A model's folder, as MLflow has it."""
+    """A model's folder, as MLflow loads it; the packages that it needs are those of this project,
+    which `pyfunc.save_model` would look through for each model again.
+    """
     from mlflow import pyfunc
+    from mlflow.models import Model
 
-    data = home.parent / "parts"
-    data.mkdir()
+    data = home / "data"
+    data.mkdir(parents=True)
     for name in ("rom", "structure"):
         shutil.copyfile(getattr(parts, name), data / NAMES[name])
     settings = parts.settings | {"samples": parts.samples}
     (data / NAMES["settings"]).write_text(json.dumps(settings, sort_keys=True))
-    # Named here, or MLflow would start a process to find out.
-    needs = ["vibrom"]
-    pyfunc.save_model(str(home), loader_module=LOADER, data_path=str(data), pip_requirements=needs)
+    (home / "requirements.txt").write_text("vibrom\n")
+    model = Model()
+    pyfunc.add_to_model(model, loader_module=LOADER, data=data.name)
+    model.save(home / "MLmodel")
