@@ -16,7 +16,8 @@ SCALE = 3.0
 
 def dense(material, q, scale):
     entries = material.at(q[None], scale)[0], (material.row, material.column)
-    return csc_matrix(entries, shape=(material.n, material.n)).toarray()
+    lower = csc_matrix(entries, shape=(material.n, material.n)).toarray()
+    return lower + np.tril(lower, -1).T
 
 
 def test_two_displacements_by_hand():

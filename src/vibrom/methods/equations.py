@@ -95,21 +95,25 @@ class Equations(Method):
 
     def _series(self, term: Term) -> ManifoldSeries:
         manifold = parametrise(term, self.modes, self.order, self.style, self.detuning)
+        symplectic = self.force == "symplectic"
+        known = min(self.order, FAR_BESIDE if self.beyond in FOLLOWED else BESIDE)
+        if symplectic:
+            manifold = manifold.with_forces(known)
         form = symplectic_form(manifold, term.mass)
         if self.style == "normal_form" and manifold.masters.mirror == (1, 0):
             manifold = action_coordinates(manifold, form)
             form = symplectic_form(manifold, term.mass)
-        if self.force == "symplectic":
-            covectors = of_push(manifold, symplectic_push(manifold, form))
-        else:
-            covectors = carried(manifold)
+        covectors = None if symplectic else carried(manifold)
+        push = symplectic_push(manifold, form) if covectors is None else covectors.y
         if term.load is None or not term.load.any():
-            return ManifoldSeries(manifold, covectors.y)
-        known = FAR_BESIDE if self.beyond in FOLLOWED else BESIDE
-        lower = manifold.truncated(min(self.order, known))
+            return ManifoldSeries(manifold, push)
+        lower = manifold.truncated(known)
+        count = 1 + len(lower.monomials)
+        if covectors is None:
+            covectors = of_push(lower, push[:, :count])
         frequency = abs(manifold.masters.eigenvalues[0].imag)
-        added = beside(lower, covectors.truncated(len(lower.monomials)), term.load, frequency)
-        return ManifoldSeries(manifold, covectors.y, term.load, added)
+        added = beside(lower, covectors.truncated(count), term.load, frequency)
+        return ManifoldSeries(manifold, push, term.load, added)
 
     def _best(self, series: ManifoldSeries, residual: Residual) -> ManifoldRom:
         """The model that is trusted farthest, with its reach and what the trust rests on."""
@@ -130,7 +134,12 @@ class Equations(Method):
         best, amplitude = None, np.zeros(len(self.modes))
         for model in models:
             found = [
-                trusted(partial(_error, residual, model, i), self.tolerance, FARTHEST, least)
+                trusted(
+                    partial(_error, residual, model, i, self.tolerance),
+                    self.tolerance,
+                    FARTHEST,
+                    least,
+                )
                 for i, least in enumerate(amplitude)
             ]
             if min(found) > amplitude.min():
@@ -143,5 +152,7 @@ class Equations(Method):
         return replace(best, reach=best.reach * np.tile(amplitude, 2))
 
 
-def _error(residual: Residual, model: ManifoldRom, oscillator: int, amplitude: float) -> float:
-    return equation_error(residual, model, ellipse(model.reach, oscillator, amplitude))
+def _error(
+    residual: Residual, model: ManifoldRom, oscillator: int, enough: float, amplitude: float
+) -> float:
+    return equation_error(residual, model, ellipse(model.reach, oscillator, amplitude), enough)

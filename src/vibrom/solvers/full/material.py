@@ -9,11 +9,9 @@ polynomials are left out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
-from scipy.linalg.lapack import dgbsv
-from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
+from scipy.linalg.lapack import dgbsv, dpbsv
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, tril
 from scipy.sparse.linalg import splu
 
 from vibrom.solvers.threads import mapped, worth
@@ -30,8 +28,8 @@ class Material:
         potentials = [
             part for force in term.forces if force.quartic is not None for part in force.quartic()
         ]
-        linear = [coo_matrix(term.mass)]
-        linear += [] if term.stiffness is None else [coo_matrix(term.stiffness)]
+        linear = [tril(term.mass)]
+        linear += [] if term.stiffness is None else [tril(term.stiffness)]
         squares = [_Square(part) for part in potentials]
         rows, columns = (
             np.concatenate([getattr(part, name) for part in (*linear, *squares)])
@@ -39,7 +37,7 @@ class Material:
         )
         keys, place = np.unique(columns * np.int64(self.n) + rows, return_inverse=True)
         self.row, self.column = keys % self.n, keys // self.n
-        self.half = int(np.abs(self.row - self.column).max())
+        self.half = int((self.row - self.column).max())
         ends = np.cumsum([len(part.row) for part in (*linear, *squares)])[:-1]
         places = np.split(place, ends)
         self.linear = [
@@ -51,7 +49,7 @@ class Material:
         ]
 
     def at(self, q: np.ndarray, scale: float) -> np.ndarray:
-        """Its entries (m, k) at `row` and `column` of displacements (m, n)."""
+        """Its entries (m, k) at `row` and `column`, the lower triangle, of displacements (m, n)."""
         mass, *stiffness = self.linear
         found = np.tile(scale * mass + sum(stiffness), (len(q), 1))
         for part, spread in self.parts:
@@ -70,19 +68,24 @@ class Material:
 
     def _solved(self, values: np.ndarray, r: np.ndarray) -> np.ndarray:
         """Of entries (k,) and a right side (n,)."""
-        half = self.half
+        half, below = self.half, self.row - self.column
         if half > WIDEST:
-            matrix = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
-            return splu(matrix).solve(r)
+            lower = csc_matrix((values, (self.row, self.column)), shape=(self.n, self.n))
+            return splu(lower + tril(lower, -1).T.tocsc()).solve(r)
+        band = np.zeros((half + 1, self.n), order="F")
+        band[below, self.column] = values
+        _, found, fault = dpbsv(band, r, lower=True, overwrite_ab=True)
+        if not fault:
+            return found
         # With pivots: rounding may leave a body that is stretched beyond all measure indefinite.
         band = np.zeros((3 * half + 1, self.n), order="F")
-        band[2 * half + self.row - self.column, self.column] = values
+        band[2 * half + below, self.column] = band[2 * half - below, self.row] = values
         return dgbsv(half, half, band, r, overwrite_ab=True)[2]
 
 
 class _Square:
-    """One potential: entries of B' (.) B as a linear function of what stands between, point by
-    point.
+    """One potential: entries of B' (.) B, the lower triangle, as a linear function of that of what
+    stands between, point by point.
     """
 
     def __init__(self, potential: Quartic):
@@ -93,20 +96,27 @@ class _Square:
         point, component, dof, value = (
             part[order] for part in (point, component, local.col, local.data)
         )
-        left, right = (np.array(part) for part in _pairs(point, points))
+        left, right = _pairs(point, points)
+        lower = dof[left] >= dof[right]
+        left, right = left[lower], right[lower]
         self.row, self.col = dof[left].astype(np.int64), dof[right].astype(np.int64)
         self.value = value[left] * value[right]
         k = potential.linear.shape[1]
-        self.between = (component[left] * k + component[right]) * points + point[left]
-        self.count = k * k * points
+        self.triangle = np.tril_indices(k)
+        place = np.zeros((k, k), np.int64)
+        place[self.triangle] = place.T[self.triangle] = np.arange(k * (k + 1) // 2)
+        self.between = place[component[left], component[right]] * points + point[left]
+        self.count = k * (k + 1) // 2 * points
         self.undeformed = self._moduli(np.zeros((1, local.shape[1])))
 
     def spread(self, place: np.ndarray, size: int) -> csr_matrix:
-        """(size, k k points): what stands between goes to these places (l,) of the entries."""
+        """(size, c): what stands between goes to these places (l,) of the entries."""
         return csr_matrix((self.value, (place, self.between)), shape=(size, self.count))
 
     def moduli(self, q: np.ndarray) -> np.ndarray:
-        """w (J' D J - L' D L) of all points (k k points, m), of displacements (m, n)."""
+        """w (J' D J - L' D L) of all points (c, m), of displacements (m, n); c counts the lower
+        triangles, point by point.
+        """
         return self._moduli(q) - self.undeformed
 
     def _moduli(self, q: np.ndarray) -> np.ndarray:
@@ -116,14 +126,15 @@ class _Square:
         slope = 2.0 * part.square.transpose(0, 2, 1).reshape(-1, k) @ y + part.linear.reshape(-1, 1)
         stress = (part.moduli @ slope.reshape(m, -1)).reshape(m, k, points, -1)
         slope = slope.reshape(m, k, points, -1) * part.weight[:, None]
-        found = np.einsum("mips,mjps->ijps", slope, stress)
-        return found.reshape(-1, len(q))
+        found = [
+            np.einsum("mps,mps->ps", slope[:, i], stress[:, j]) for i, j in zip(*self.triangle)
+        ]
+        return np.concatenate(found)
 
 
-def _pairs(point: np.ndarray, points: int) -> Iterator[np.ndarray]:
+def _pairs(point: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
     """Which entries, in the order of their points, share one: two index arrays."""
     count = np.bincount(point, minlength=points)
     start, own = np.cumsum(count) - count, count[point]
     left = np.repeat(np.arange(len(point)), own)
-    yield left
-    yield start[point[left]] + np.arange(len(left)) - np.repeat(np.cumsum(own) - own, own)
+    return left, start[point[left]] + np.arange(len(left)) - np.repeat(np.cumsum(own) - own, own)

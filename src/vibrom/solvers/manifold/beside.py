@@ -16,12 +16,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibrom.solvers.manifold.bordered import Bordered
 from vibrom.solvers.manifold.canonical import slopes
 from vibrom.solvers.manifold.covectors import Covectors
 from vibrom.solvers.manifold.parametrisation import Manifold
-from vibrom.solvers.manifold.pencil import Border
 from vibrom.solvers.manifold.tangent import Degree, TangentSeries
-from vibrom.solvers.threads import mapped, worth
 
 
 def beside(
@@ -38,37 +37,22 @@ def beside(
         part.T.reshape(covectors.y.shape)
         for part in (pencil.damping.T @ y + pencil.mass.T @ x, pencil.mass.T @ y)
     ]
-    right = [(part @ masters.shapes.T).T for part in (pencil.mass, pencil.damping)]
-    left = [(part.T @ masters.left.T).T for part in (pencil.mass, pencil.damping)]
+    bordered = Bordered(pencil, masters)
     size = 1 + len(monomials)
     state = np.zeros((2, size, pencil.size), complex)
     measured = np.zeros((len(values), size, size), complex)  # Y_i B X of all pairs
     for k in range(monomials.order):
         degree = Degree.of(monomials, k)
-        lower = _lower(degree, manifold.dynamics, push, tangents, state)
-        h = sum((part.next(degree) for part in forces), np.zeros(lower[0].shape, complex))
-        missing = np.zeros((len(degree.targets), len(values)), complex)
+        here, sigma = degree.targets, sums[degree.targets] + 1j * frequency
+        a, b = _lower(degree, manifold.dynamics, push, tangents, state)
+        f = -(pencil.mass @ (b + sigma[:, None] * a).T).T - (pencil.damping @ a.T).T
+        f += 0.0 if k else load
+        for part in forces:
+            f -= part.next(degree)
+        missing = -a @ bordered.left[0].T
         np.subtract.at(missing, degree.row, measured[:, degree.right + 1, degree.left].T)
-
-        def solve(row: int, degree=degree, lower=lower, h=h, missing=missing) -> None:
-            target = degree.targets[row]
-            sigma, (a, b) = sums[target] + 1j * frequency, (part[row] for part in lower)
-            f = -h[row] - pencil.mass @ (b + sigma * a) - pencil.damping @ a
-            factor = (sigma + values)[:, None]
-            border = Border(
-                (factor * right[0] + right[1]).T,
-                factor * left[0] + left[1],
-                left[0] @ masters.shapes.T,
-                missing[row] - left[0] @ a,
-                masters.pinned,
-            )
-            state[0, target], extra = pencil.solve_bordered(
-                sigma, f if target else f + load, border
-            )
-            state[1, target] = sigma * state[0, target] + a + extra @ masters.shapes
-
-        mapped(solve, range(len(degree.targets)), worth(pencil.size))
-        here = degree.targets
+        state[0, here], extra = bordered.solve(sigma, f, missing)
+        state[1, here] = sigma[:, None] * state[0, here] + a + extra @ masters.shapes
         measured[:, :, here] = sum(m @ part[here].T for m, part in zip(measures, state))
         for part in forces:
             part.complete(degree, state[0, here])
@@ -84,10 +68,10 @@ def _lower(
 ) -> list[np.ndarray]:
     """The sums a + DW S and b + DV S (t, n)."""
     along, times = degree.along(dynamics), [degree.times(series) for series in push]
-    found = []
+    here, found = degree.range, []
     for part, tangent in zip(state, tangents):
-        total = along @ part
+        total = along @ part[: here.start]
         for series, product, slope in zip(push, times, tangent):
-            total += series[0] * slope[degree.targets] + product @ slope
+            total += series[0] * slope[here] + product @ slope[: here.start]
         found.append(total)
     return found

@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import csr_matrix, lil_matrix
 
 from vibrom.solvers.manifold.monomials import Monomials
 from vibrom.solvers.manifold.parametrisation import Manifold
@@ -34,7 +34,7 @@ def derivative(monomials: Monomials, values: np.ndarray, axis: int) -> np.ndarra
     lower = monomials.lowered[axis]
     factor = monomials.powers[:, axis].reshape(-1, *(1,) * (values.ndim - 1))
     rising = monomials.powers[:, axis] > 0
-    np.add.at(found, lower[rising] + 1, (factor * values)[rising])
+    found[lower[rising] + 1] = factor[rising] * values[rising]  # each place once
     return found
 
 
@@ -88,15 +88,12 @@ def symplectic_push(manifold: Manifold, form: np.ndarray) -> np.ndarray:
         for i in range(pair):
             for j in range(pair):
                 right[i] -= terms[i, j, targets, None] * push[j, 0]
-                entries = (
-                    terms[i, j, pairs.right],
-                    (np.searchsorted(targets, pairs.target), pairs.left),
-                )
-                mix = coo_matrix(entries, shape=(len(targets), len(monomials))).tocsr()
-                right[i] -= mix @ push[j, 1:]
+                mix = np.zeros((len(targets), targets[0]), complex)
+                mix[np.searchsorted(targets, pairs.target), pairs.left] = terms[i, j, pairs.right]
+                right[i] -= mix @ push[j, 1 : 1 + targets[0]]
         push[:, targets + 1] = np.tensordot(first, right, 1)
         mirrors = monomials.conjugate[targets]
-        push[:, mirrors + 1] = push[mirror][:, targets + 1].conj()
+        push[:, mirrors + 1] = push[np.ix_(mirror, targets + 1)].conj()
     return push
 
 
@@ -139,17 +136,17 @@ def action_coordinates(manifold: Manifold, form: np.ndarray) -> Manifold:
     action = np.append(0.0, density / np.arange(1, count + 1))[: count + 1]  # X(x)
     inverse = _reversed(action)  # x(X)
     ratio = inverse[1:]  # x / X
-    change = np.zeros((len(monomials), len(monomials)))
+    change = lil_matrix((len(monomials), len(monomials)))
     for a, (one, other) in enumerate(monomials.powers):
         series = _power(ratio, 0.5 * (one + other))
         steps = np.arange((monomials.order - one - other) // 2 + 1)
         target = monomials.index(np.array([one, other]) + steps[:, None])
         change[target, a] = series[steps] / unit**steps
     rate = _rate(manifold, action, inverse, unit, count)
-    kept = np.nonzero(monomials.kept)[0]
+    change, kept = change.tocsr(), np.nonzero(monomials.kept)[0]
     return replace(
         manifold,
-        forces=tuple(part.changed(change[np.ix_(kept, kept)]) for part in manifold.forces),
+        forces=tuple(part.changed(change[kept][:, kept]) for part in manifold.forces),
         displacement=change @ manifold.displacement,
         velocity=change @ manifold.velocity,
         dynamics=rate,

@@ -17,14 +17,14 @@ need no linear systems.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
+from vibrom.solvers.manifold.bordered import Bordered
 from vibrom.solvers.manifold.canonical import slopes
 from vibrom.solvers.manifold.parametrisation import Manifold
-from vibrom.solvers.manifold.pencil import Border, Pencil
+from vibrom.solvers.manifold.pencil import Pencil
 from vibrom.solvers.manifold.tangent import Degree, TangentSeries
 
 
@@ -36,8 +36,8 @@ class Covectors:
     x: np.ndarray  # (2d, 1 + l, n) complex
 
     def truncated(self, count: int) -> Covectors:
-        """Those of the first monomials."""
-        return Covectors(self.y[:, : 1 + count], self.x[:, : 1 + count])
+        """The first coefficients of each."""
+        return Covectors(self.y[:, :count], self.x[:, :count])
 
 
 def of_push(manifold: Manifold, push: np.ndarray) -> Covectors:
@@ -47,11 +47,12 @@ def of_push(manifold: Manifold, push: np.ndarray) -> Covectors:
     sums = np.append(0.0, monomials.powers @ values)
     for k in range(monomials.order):
         degree = Degree.of(monomials, k)
-        here, along = degree.targets, degree.along(manifold.dynamics)
+        here, along = degree.range, degree.along(manifold.dynamics)
         for i in range(len(push)):
-            x[i, here] = (values[i] - sums[here, None]) * push[i, here] - along @ push[i]
+            x[i, here] = (values[i] - sums[here, None]) * push[i, here]
+            x[i, here] -= along @ push[i, : here.start]
             for j in range(len(push)):
-                x[i, here] += degree.times(rates[j, :, i]) @ push[j]
+                x[i, here] += degree.times(rates[j, :, i]) @ push[j, : here.start]
     return Covectors(push, x)
 
 
@@ -69,6 +70,9 @@ class _Carried:
         self.values = manifold.masters.eigenvalues
         turned = (pencil.mass, pencil.damping, pencil.stiffness)
         self.turned = Pencil(*(part.T.tocsr() for part in turned))
+        masters = manifold.masters
+        turned_masters = replace(masters, shapes=masters.left, left=masters.shapes)
+        self.bordered = Bordered(self.turned, turned_masters)
         shape = (len(self.values), 1 + len(monomials), pencil.size)
         self.y, self.x = np.zeros(shape, complex), np.zeros(shape, complex)
         self.rates = slopes(monomials, manifold.dynamics.T)  # dR_i/dz_j
@@ -95,33 +99,23 @@ class _Carried:
         return Covectors(self.y, self.x)
 
     def _solve(
-        self, i: int, degree: Degree, along: csr_matrix, forces: list[TangentSeries]
+        self, i: int, degree: Degree, along: np.ndarray, forces: list[TangentSeries]
     ) -> None:
         turned, masters, targets = self.turned, self.manifold.masters, degree.targets
-        e, f = (-(along @ part[i]) for part in (self.y, self.x))
+        lower = slice(targets[0])
+        e, f = (-(along @ part[i, lower]) for part in (self.y, self.x))
         for j in range(len(self.values)):
             times = degree.times(self.rates[j, :, i])
-            e, f = e + times @ self.y[j], f + times @ self.x[j]
+            e, f = e + times @ self.y[j, lower], f + times @ self.x[j, lower]
         g = sum(
             (part.next(degree) for part in forces), (turned.damping @ e.T + turned.mass @ f.T).T
         )
-        missing = self._missing(i, degree)
-        left = [(part @ masters.left.T).T for part in (turned.mass, turned.damping)]
-        right = [(part.T @ masters.shapes.T).T for part in (turned.mass, turned.damping)]
-        for row, target in enumerate(targets):
-            sigma = self.values[i] - self.sums[target]
-            factor = (sigma + self.values)[:, None]
-            border = Border(
-                (factor * left[0] + left[1]).T,
-                factor * right[0] + right[1],
-                right[0] @ masters.left.T,
-                missing[row] - right[0] @ e[row],
-                masters.pinned,
-            )
-            f_here = -g[row] - sigma * (turned.mass @ e[row])
-            self.y[i, target], extra = turned.solve_bordered(sigma, f_here, border)
-            # `extra` is zero but for rounding, except where the constant is normalised.
-            self.x[i, target] = sigma * self.y[i, target] + e[row] + extra @ masters.left
+        sigma = self.values[i] - self.sums[targets]
+        f = -g - sigma[:, None] * (turned.mass @ e.T).T
+        missing = self._missing(i, degree) - e @ self.bordered.left[0].T
+        self.y[i, targets], extra = self.bordered.solve(sigma, f, missing)
+        # `extra` is zero but for rounding, except where the constant is normalised.
+        self.x[i, targets] = sigma[:, None] * self.y[i, targets] + e + extra @ masters.left
         self._measure(i, targets)
         for part in forces:
             part.complete(degree, self.y[i, targets])

@@ -16,6 +16,7 @@ from __future__ import annotations
 from copy import copy
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from vibrom.solvers.manifold.monomials import Monomials
 from vibrom.solvers.manifold.products import Schedule, entries, multiply
@@ -70,16 +71,20 @@ class ForceSeries:
 
     def assembled(self, force: np.ndarray) -> np.ndarray:
         """B' w f (targets, n) complex of what acts at the points (targets, k, 2, points)."""
-        targets = len(force)
-        flat = (force * self.potential.weight).transpose(1, 3, 0, 2)
-        both = self.transposed @ flat.reshape(self.components * self.points, targets * 2)
-        both = both.reshape(-1, targets, 2)
-        return (both[..., 0] + 1j * both[..., 1]).T
+        found = np.empty((len(force), self.transposed.shape[0]), complex)
+        for part, into in zip(force * self.potential.weight, found):
+            into.real, into.imag = (self.transposed @ part[:, c].ravel() for c in range(2))
+        return found
 
-    def changed(self, matrix: np.ndarray) -> ForceSeries:
-        """The series in other coordinates; `matrix` makes their kept coefficients of these."""
-        found = copy(self)
-        found.y, found.s = (np.tensordot(matrix, part, 1) for part in (self.y, self.s))
+    def changed(self, matrix: csr_matrix) -> ForceSeries:
+        """The series in other coordinates; `matrix` makes their kept coefficients of these, each of
+        those before it.
+        """
+        found, size = copy(self), len(self.y)
+        found.y, found.s = (
+            (matrix[:size, :size] @ part.reshape(size, -1)).reshape(part.shape)
+            for part in (self.y, self.s)
+        )
         return found
 
     def truncated(self, kept: int) -> ForceSeries:
@@ -90,15 +95,19 @@ class ForceSeries:
 
     def local(self, values: np.ndarray) -> np.ndarray:
         """B x (targets, k, 2, points) of coefficients x (targets, n) complex."""
-        both = np.stack([values.real, values.imag], axis=1)
-        found = self.potential.local @ both.reshape(-1, both.shape[2]).T
-        return found.reshape(self.components, self.points, -1, 2).transpose(2, 0, 3, 1)
+        found = np.empty((len(values), self.components, 2, self.points))
+        for part, into in zip(values, found):
+            for c, x in enumerate((part.real, part.imag)):
+                into[:, c] = (self.potential.local @ x).reshape(into[:, c].shape)
+        return found
 
     def complete(self, places: np.ndarray, displacement: np.ndarray) -> None:
-        """Takes the coefficients W_a (targets, n) of the degree whose force was computed last."""
-        y = self.local(displacement)
-        self.y[places] = y
-        strain = np.einsum("mkp,tkcp->tmcp", self.linear, y)
-        self.s[places] = np.einsum("lm,tmcp->tlcp", self.potential.moduli, strain)
+        """Takes the coefficients W_a (targets, n) of the degree whose force was computed last, at
+        consecutive places.
+        """
+        here = slice(places[0], places[-1] + 1)
+        self.y[here] = self.local(displacement)
+        strain = np.einsum("mkp,tkcp->tmcp", self.linear, self.y[here])
+        np.einsum("lm,tmcp->tlcp", self.potential.moduli, strain, out=self.s[here])
         if self.stress.size:
-            self.s[places] += self.stress
+            self.s[here] += self.stress

@@ -72,10 +72,13 @@ def _refined(
         scale = np.abs(pencil.stiffness) @ np.abs(phi)
         if np.linalg.norm(residual) <= CLOSE * np.linalg.norm(scale):
             break
-        column = (pencil.derivative(value) @ phi)[:, None]
-        border = Border(column, row, np.zeros((1, 1)), 1.0 - row @ phi, pinned)
-        change, shift = pencil.solve_bordered(value, -residual, border)
-        phi, value = phi + change, value + shift[0]
+        column = (pencil.derivative(value) @ phi)[None]
+        border = Border(column, row, np.zeros((1, 1)), pinned)
+        missing = 1.0 - row @ phi
+        (change,), ((shift,),) = pencil.solve_bordered(
+            value, -residual[None], missing[None], border
+        )
+        phi, value = phi + change, value + shift
     left = phi if pencil.symmetric else _left(pencil, value, shape)
     norm = left @ (pencil.derivative(value) @ phi)
     return value, phi, left / norm
@@ -85,11 +88,6 @@ def _left(pencil: Pencil, value: complex, shape: np.ndarray) -> np.ndarray:
     """The null vector of A(value)', by one bordered solve."""
     turned = Pencil(pencil.mass.T.tocsr(), pencil.damping.T.tocsr(), pencil.stiffness.T.tocsr())
     row = shape[None]
-    border = Border(
-        (pencil.mass @ shape)[:, None],
-        row,
-        np.zeros((1, 1)),
-        np.ones(1),
-        np.array([int(np.abs(shape).argmax())]),
-    )
-    return turned.solve_bordered(value, np.zeros(len(shape), complex), border)[0]
+    pinned = np.array([int(np.abs(shape).argmax())])
+    border = Border((pencil.mass @ shape)[None], row, np.zeros((1, 1)), pinned)
+    return turned.solve_bordered(value, np.zeros(row.shape), np.ones((1, 1)), border)[0][0]

@@ -24,10 +24,11 @@ from scipy.linalg import eigh
 from scipy.sparse import coo_matrix, csr_matrix
 
 from vibrom.solvers.full.modes import eigenmodes, linearised
+from vibrom.solvers.manifold.bordered import Bordered
 from vibrom.solvers.manifold.force import ForceSeries, potentials
 from vibrom.solvers.manifold.masters import Masters, masters
 from vibrom.solvers.manifold.monomials import Monomials, Pairs
-from vibrom.solvers.manifold.pencil import Border, Pencil
+from vibrom.solvers.manifold.pencil import Pencil
 from vibrom.solvers.manifold.products import kept_of, schedule
 from vibrom.solvers.threads import mapped, worth
 from vibrom.term import SceneError, Term
@@ -47,13 +48,17 @@ class Manifold:
     velocity: np.ndarray  # V (l, n) complex
     dynamics: np.ndarray  # R (2d, l) complex
 
+    def with_forces(self, order: int) -> Manifold:
+        """The same series, of the forces to a lower order only."""
+        kept = int(replace(self.monomials, order=order).kept.sum())
+        return replace(self, forces=tuple(part.truncated(kept) for part in self.forces))
+
     def truncated(self, order: int) -> Manifold:
         """The same series to a lower order."""
         monomials = replace(self.monomials, order=order)
-        size, kept = len(monomials), int(monomials.kept.sum())
+        size = len(monomials)
         return replace(
-            self,
-            forces=tuple(part.truncated(kept) for part in self.forces),
+            self.with_forces(order),
             monomials=monomials,
             displacement=self.displacement[:size],
             velocity=self.velocity[:size],
@@ -107,9 +112,7 @@ class _Series:
         self.r = np.zeros((pair, l), complex)
         self.sums = monomials.powers @ found.eigenvalues  # s of every monomial
         self.kept_place = np.cumsum(monomials.kept) - 1
-        # psi_i' M and psi_i' C, M phi_i and C phi_i
-        self.left = [(part.T @ found.left.T).T for part in (pencil.mass, pencil.damping)]
-        self.right = [(part @ found.shapes.T).T for part in (pencil.mass, pencil.damping)]
+        self.bordered = Bordered(pencil, found)
 
     def run(self, style: str, detuning: float) -> Manifold:
         self.w[: len(self.r)] = self.masters.shapes
@@ -162,24 +165,15 @@ class _Series:
 
     def _solve(self, target: int, f: np.ndarray, lower: np.ndarray, held: np.ndarray) -> None:
         """W, V and R of one monomial; `held` are the masters that it resonates with."""
-        s, values = self.sums[target], self.masters.eigenvalues[held]
-        shapes, rates = self.masters.shapes[held], np.zeros(len(held), complex)
+        s, bordered = self.sums[target], self.bordered
         if len(held):
-            factor = (s + values)[:, None]
-            mass, damping = (part[held] for part in self.right)
-            left_mass, left_damping = (part[held] for part in self.left)
-            border = Border(
-                (factor * mass + damping).T,
-                factor * left_mass + left_damping,
-                left_mass @ shapes.T,
-                -left_mass @ lower,
-                self.masters.pinned[np.unique(held % (len(self.r) // 2))],
-            )
-            w, rates = self.pencil.solve_bordered(s, f, border)
+            border, g = bordered.at(s, held), -(bordered.left[0][held] @ lower)
+            (w,), (rates,) = self.pencil.solve_bordered(s, f[None], g[None], border)
+            self.r[held, target] = rates
+            lower = lower + rates @ self.masters.shapes[held]
         else:
             w = self.pencil.solve(s, f)
-        self.w[target], self.r[held, target] = w, rates
-        self.v[target] = s * w + lower + rates @ shapes
+        self.w[target], self.v[target] = w, s * w + lower
 
     def _complete(self, targets: np.ndarray) -> None:
         """Hands the degree to the forces, and its mirrors to the coefficients."""

@@ -25,10 +25,9 @@ PIVOT = 0.01  # a diagonal entry is the pivot unless the column holds one a hund
 class Border(NamedTuple):
     """k further unknowns and equations."""
 
-    columns: np.ndarray  # B (n, k)
+    columns: np.ndarray  # B' (k, n)
     rows: np.ndarray  # G (k, n)
     corner: np.ndarray  # D (k, k)
-    right: np.ndarray  # g (k,)
     pinned: np.ndarray  # (m,) displacements in which the near null vectors of A differ most
 
 
@@ -70,54 +69,64 @@ class Pencil:
         return float(np.abs(self.stiffness.data).max())
 
     @cached_property
-    def _bands(self) -> np.ndarray:
-        """(3, 3 b + 1, n): M, C and K as LAPACK stores a band, with room for its pivots, column by
-        column.
+    def _entries(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where their entries stand in a band as LAPACK stores it, with room for its pivots, column
+        by column; and the values (3, k) of M, C and K there.
         """
-        b, n = self.half, self.size
-        bands = np.zeros((3, n, 3 * b + 1)).transpose(0, 2, 1)
-        for band, part in zip(bands, (self.mass, self.damping, self.stiffness)):
-            entries = part.tocoo()
-            np.add.at(band, (2 * b + entries.row - entries.col, entries.col), entries.data)
-        return bands
+        parts = [part.tocoo() for part in (self.mass, self.damping, self.stiffness)]
+        rows, columns = (
+            np.concatenate([getattr(p, name) for p in parts]) for name in ("row", "col")
+        )
+        slots = columns.astype(np.int64) * (3 * self.half + 1) + 2 * self.half + rows - columns
+        places, own = np.unique(slots, return_inverse=True)
+        ends = np.cumsum([part.nnz for part in parts])[:-1]
+        values = [
+            np.bincount(where, part.data, len(places))
+            for where, part in zip(np.split(own, ends), parts)
+        ]
+        return places, np.array(values)
 
     def factor(self, s: complex, shift: tuple[np.ndarray, float] | None = None):
-        """Solves with A(s), plus a number at some diagonal entries, for right sides (n, k)."""
+        """Solves with A(s), plus a number at some diagonal entries, for right sides (k, n)."""
         places, number = shift or (np.zeros(0, int), 0.0)
         if self.half <= WIDEST:
-            mass, damping, stiffness = self._bands
-            band = s * s * mass + s * damping + stiffness
-            band[2 * self.half, places] += number
-            factors, pivots, _ = zgbtrf(band, self.half, self.half, overwrite_ab=1)
-            return lambda f: zgbtrs(factors, self.half, self.half, f, pivots)[0]
+            half, (slots, (mass, damping, stiffness)) = self.half, self._entries
+            band = np.zeros(self.size * (3 * half + 1), complex)
+            band[slots] = s * s * mass + s * damping + stiffness
+            band = band.reshape(self.size, -1)
+            band[places, 2 * half] += number
+            factors, pivots, _ = zgbtrf(band.T, half, half, overwrite_ab=1)
+            return lambda f: zgbtrs(factors, half, half, f.T, pivots)[0].T
         added = np.zeros(self.size)
         added[places] = number
         matrix = csc_matrix(self.at(s) + diags(added), dtype=complex)
-        if not self.symmetric:
-            return splu(matrix).solve
-        options = {"SymmetricMode": True, "DiagPivotThresh": PIVOT}
-        return splu(matrix, permc_spec="MMD_AT_PLUS_A", options=options).solve
+        symmetric = {
+            "permc_spec": "MMD_AT_PLUS_A",
+            "options": {"SymmetricMode": True, "DiagPivotThresh": PIVOT},
+        }
+        factors = splu(matrix, **(symmetric if self.symmetric else {}))
+        return lambda f: factors.solve(f.T).T
 
     def solve(self, s: complex, f: np.ndarray) -> np.ndarray:
         """A(s)^-1 f (n,)."""
-        return self.factor(s)(f[:, None])[:, 0]
+        return self.factor(s)(f[None])[0]
 
     def solve_bordered(
-        self, s: complex, f: np.ndarray, border: Border
+        self, s: complex, f: np.ndarray, g: np.ndarray, border: Border
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(w, r) of the bordered system."""
-        k, x = len(border.pinned), self._stiffest
-        ends = np.zeros((self.size, k), complex)
-        ends[border.pinned, range(k)] = x
+        """(w, r) of the bordered system, for right sides f (j, n) and g (j, k)."""
+        m, x = len(border.pinned), self._stiffest
+        ends = np.zeros((m, self.size))
+        ends[range(m), border.pinned] = x
         solve = self.factor(s, (border.pinned, x))
         plain, raised, columns = np.split(
-            solve(np.column_stack([f, ends, border.columns])), [1, 1 + k], axis=1
+            solve(np.concatenate([f, ends, border.columns])), [len(f), len(f) + m]
         )
         # w = plain + raised t - columns r, with t = E w
-        unknowns = np.hstack([raised, -columns])
-        small = np.vstack([unknowns[border.pinned], border.rows @ unknowns])
-        small[:k, :k] -= np.eye(k)
-        small[k:, k:] += border.corner
-        known = np.concatenate([plain[border.pinned, 0], border.rows @ plain[:, 0]])
-        found = np.linalg.solve(small, np.concatenate([np.zeros(k), border.right]) - known)
-        return plain[:, 0] + unknowns @ found, found[k:]
+        unknowns = np.concatenate([raised, -columns])
+        small = np.hstack([unknowns[:, border.pinned], unknowns @ border.rows.T])
+        small[:m, :m] -= np.eye(m)
+        small[m:, m:] += border.corner.T
+        known = np.hstack([-plain[:, border.pinned], g - plain @ border.rows.T])
+        found = np.linalg.solve(small.T, known.T).T
+        return plain + found @ unknowns, found[:, m:]

@@ -3,7 +3,7 @@
     c_o[target] += sum_pairs sum_entries x  a_i[left] b_j[right]
 
 a and b are complex coefficients of kept monomials, real and imaginary parts apart; those of a
-mirror are their conjugates. Points go through the loops in blocks that stay in the cache.
+mirror are their conjugates. A block of points stays in registers while pairs are summed up.
 """
 
 from typing import NamedTuple
@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from vibrom.kernels.lanes import kernel
+from vibrom.kernels.lanes import cut, fill, kernel, part, paste
 from vibrom.solvers.manifold.monomials import Monomials, Pairs
 from vibrom.solvers.threads import mapped, worth
 
-BLOCK = 64  # points
+BLOCK = 32  # points, four registers
 _values = types.float64[:, :, :, ::1]
 _places = types.int64[::1]
 _signs = types.float64[::1]
@@ -63,6 +63,29 @@ def kept_of(monomials: Monomials, degree: int) -> np.ndarray:
     return np.arange(len(monomials))[first][monomials.kept[first]]
 
 
+@part
+def _add(a, b, pairs, form, c, first, width):
+    """The products at `width` points from `first` on."""
+    begin, left, left_sign, right, right_sign = pairs
+    outs, ones, others, factors = form
+    points = a.shape[3]
+    of_a, of_b, of_c = 2 * a.shape[1] * points, 2 * b.shape[1] * points, 2 * c.shape[1] * points
+    a, b, c = a.reshape(a.size), b.reshape(b.size), c.reshape(c.size)
+    for e in range(len(outs)):
+        one, other = first + 2 * ones[e] * points, first + 2 * others[e] * points
+        for target in range(len(begin) - 1):
+            real, imaginary = fill(0.0, width), fill(0.0, width)
+            for k in range(begin[target], begin[target + 1]):
+                x, y = one + left[k] * of_a, other + right[k] * of_b
+                xr, xi = cut(a, x, width), cut(a, x + points, width) * left_sign[k]
+                yr, yi = cut(b, y, width), cut(b, y + points, width) * right_sign[k]
+                real += xr * yr - xi * yi
+                imaginary += xr * yi + xi * yr
+            z = first + 2 * outs[e] * points + target * of_c
+            paste(c, z, cut(c, z, width) + real * factors[e])
+            paste(c, z + points, cut(c, z + points, width) + imaginary * factors[e])
+
+
 @kernel(
     types.void(
         _values,
@@ -76,28 +99,11 @@ def kept_of(monomials: Monomials, degree: int) -> np.ndarray:
     nogil=True,
 )
 def _multiply(a, b, pairs, form, c, begins, ends):
-    begin, left, left_sign, right, right_sign = pairs
-    outs, ones, others, factors = form
-    for first in range(begins, ends, BLOCK):
-        last = min(first + BLOCK, ends)
-        for target in range(len(begin) - 1):
-            for k in range(begin[target], begin[target + 1]):
-                sa, sb = left_sign[k], right_sign[k]
-                for e in range(len(outs)):
-                    x, y = a[left[k], ones[e]], b[right[k], others[e]]
-                    z, factor = c[target, outs[e]], factors[e]
-                    real, cross = -factor * sa * sb, factor * sb
-                    other = factor * sa
-                    xr, xi, yr, yi = (
-                        x[0, first:last],
-                        x[1, first:last],
-                        y[0, first:last],
-                        y[1, first:last],
-                    )
-                    zr, zi = z[0, first:last], z[1, first:last]
-                    for p in range(last - first):
-                        zr[p] += factor * xr[p] * yr[p] + real * xi[p] * yi[p]
-                        zi[p] += cross * xr[p] * yi[p] + other * xi[p] * yr[p]
+    whole = ends - (ends - begins) % BLOCK
+    for first in range(begins, whole, BLOCK):
+        _add(a, b, pairs, form, c, first, BLOCK)
+    for first in range(whole, ends):
+        _add(a, b, pairs, form, c, first, 1)
 
 
 def multiply(

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from vibrom.solvers.manifold.force import ForceSeries
 from vibrom.solvers.manifold.monomials import Monomials
@@ -46,29 +45,34 @@ class Degree:
         order = np.argsort(row, kind="stable")
         return cls(monomials, targets, row[order], left[order], right[order])
 
+    @property
+    def range(self) -> slice:
+        """Where the targets stand."""
+        return slice(self.targets[0], self.targets[-1] + 1)
+
     @cached_property
     def begin(self) -> np.ndarray:
         """(t + 1,) where the products of each target begin."""
         return np.searchsorted(self.row, np.arange(len(self.targets) + 1))
 
-    def times(self, series: np.ndarray) -> csr_matrix:
-        """(t, 1 + l): products with a scalar series (1 + l,), its constant left out."""
-        entries = series[self.right + 1], self.left, self.begin
-        return csr_matrix(entries, shape=(len(self.targets), 1 + len(self.monomials)))
+    def times(self, series: np.ndarray) -> np.ndarray:
+        """(t, l'): products with a scalar series (1 + l,), its constant left out; l' counts the
+        coefficients of lower degrees.
+        """
+        found = np.zeros((len(self.targets), self.targets[0]), complex)
+        found[self.row, self.left] = series[self.right + 1]
+        return found
 
-    def along(self, dynamics: np.ndarray) -> csr_matrix:
-        """(t, 1 + l): DX R of the series X, with the part of R (2d, l) above degree 1."""
-        rows, columns, values = [], [], []
+    def along(self, dynamics: np.ndarray) -> np.ndarray:
+        """(t, l'): DX R of the series X, with the part of R (2d, l) above degree 1."""
+        found = np.zeros((len(self.targets), self.targets[0]), complex)
         powers = np.pad(self.monomials.powers, ((1, 0), (0, 0)))
         raised = np.vstack([np.arange(len(dynamics)), self.monomials.raised.T]) + 1
+        above = self.right >= len(dynamics)
+        row, left, right = (part[above] for part in (self.row, self.left, self.right))
         for i, rate in enumerate(dynamics):
-            there = (rate[self.right] != 0.0) & (self.right >= len(dynamics))
-            left = self.left[there]
-            rows.append(self.row[there])
-            columns.append(raised[left, i])
-            values.append((powers[left, i] + 1) * rate[self.right[there]])
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return csr_matrix(entries, shape=(len(self.targets), 1 + len(self.monomials)))
+            found[row, raised[left, i]] += (powers[left, i] + 1) * rate[right]
+        return found
 
 
 class TangentSeries:
@@ -105,8 +109,8 @@ class TangentSeries:
 
     def complete(self, degree: Degree, values: np.ndarray) -> None:
         """Takes the coefficients x_a (t, n) of the degree whose products were taken last."""
-        force = self.force
-        self.d[degree.targets] = force.local(values)
-        strain = np.einsum("mkp,tkcp->tmcp", force.linear, self.d[degree.targets])
-        stress = np.einsum("lm,tmcp->tlcp", force.potential.moduli, strain)
-        self.t[degree.targets] = self.stress + stress
+        force, here = self.force, degree.range
+        self.d[here] = force.local(values)
+        strain = np.einsum("mkp,tkcp->tmcp", force.linear, self.d[here])
+        np.einsum("lm,tmcp->tlcp", force.potential.moduli, strain, out=self.t[here])
+        self.t[here] += self.stress
