@@ -19,7 +19,7 @@ from vibrom.artefacts.identity import FITTED_ONCE, ROLES, attributes_of, place
 from vibrom.artefacts.outcome import Outcome
 from vibrom.config.places import FULL_ORDER
 
-OPEN = 256  # datasets that are kept in memory, but for their large variables,
+OPEN = 1024  # datasets that are kept in memory, but for their large variables,
 LARGE = 2**17  # bytes: all that grows with the length of a motion is on disk until it is read
 
 
