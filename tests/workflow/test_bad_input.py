@@ -85,10 +85,12 @@ DEEP = "a: " + "[" * 3000 + "]" * 3000
         ("# größe\nscenes: [small]".encode("latin-1"), "file is not UTF-8 text; save it as UTF-8"),
         ("scenes: [small]".encode("utf-16"), "file is not UTF-8 text; save it as UTF-8"),
         (DEEP.encode(), "line 1 is nested more than 50 deep; nothing here needs that"),
+        (None, "file cannot be read (No such file or directory); check the name"),
     ],
 )
 def test_an_overlay_that_snakemake_cannot_read_is_one_line(project, content, says):
-    (project / "overlay.yaml").write_bytes(content)
+    if content is not None:
+        (project / "overlay.yaml").write_bytes(content)
     answer = plan(project, "-n", "--configfile", "overlay.yaml")
     assert answer.returncode == 1
     assert answer_lines(answer) == [f"vibrom: overlay.yaml: {says}"]

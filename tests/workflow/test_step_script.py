@@ -136,6 +136,14 @@ def test_own_errors_are_one_line(run, tmp_path, capfd, error, says):
     assert printed in (tmp_path / "log").read_text()
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full, a disk without space")
+def test_what_went_wrong_is_said_where_the_log_cannot_be_written(run, tmp_path, capfd):
+    (tmp_path / "log").symlink_to("/dev/full")
+    with pytest.raises(SystemExit, match="no space left"):
+        run(fail(DataError("train.nc: is damaged")))
+    assert capfd.readouterr().err == "vibrom: train.nc: is damaged\n"
+
+
 def test_a_bug_keeps_its_traceback(run, capfd):
     with pytest.raises(SystemExit) as stopped:
         run(fail(ZeroDivisionError("bug")))

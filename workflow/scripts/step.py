@@ -30,8 +30,9 @@ class Tee:
         self.terminal, self.log = terminal, log
 
     def write(self, text):
+        written = self.terminal.write(text)
         self.log.write(text)
-        return self.terminal.write(text)
+        return written
 
     def flush(self):
         self.terminal.flush()
@@ -100,7 +101,7 @@ def main(job):
                 if line is None:
                     traceback.print_exc()
                 else:
-                    print(f"vibrom: {line}", file=sys.stderr)
+                    sys.stderr.write(f"vibrom: {line}\n")  # at once: the log's disk may be full
                 sys.exit(1)
             finally:
                 sys.stdout, sys.stderr = sys.__stdout__, sys.__stderr__

@@ -1,7 +1,7 @@
 """Overlays as a command line names them.
 
 Snakemake reads the files behind `--configfile` before any rule of the workflow, and ends in its own
-traceback where one is no YAML that it knows. The profiles ask here first.
+traceback where one is not there or is no YAML that it knows. The profiles ask here first.
 """
 
 import sys
@@ -19,11 +19,10 @@ def check(words: Sequence[str]) -> None:
     read.
     """
     for path in overlays(words):
-        if path.is_file():  # Snakemake has a line for what is not there
-            try:
-                files.read(path)
-            except SettingsError as error:
-                sys.exit(f"vibrom: {error}")
+        try:
+            files.read(path)
+        except SettingsError as error:
+            sys.exit(f"vibrom: {error}")
 
 
 def overlays(words: Sequence[str]) -> Iterator[Path]:
