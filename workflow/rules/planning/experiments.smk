@@ -148,8 +148,6 @@ def answered_once(experiment):
     blocks += [] if set(RECORDED).isdisjoint(needs) else ["releases", "record"]
 
     def question(scene):
-        if scene in RECORDED_SCENES:
-            return scene
         made = SCENES[scene]
         return [made[block] for block in blocks] + [made["experiments"].get(need) for need in needs]
 

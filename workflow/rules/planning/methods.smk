@@ -1,5 +1,6 @@
 # What the fit of a method reads and is given.
 import hashlib
+from functools import cache
 
 
 def start_input(method):
@@ -33,6 +34,7 @@ def rules_of_tool(path):
     return own if own.is_file() else HERE.join(path)
 
 
+@cache
 def of_equations(method):
     """Is it made from the equations of motion, without any motion?"""
     return constants("methods", SETTINGS.kind_of(method))["of_equations"]
@@ -60,7 +62,7 @@ def fitted_once(method):
 
     def question(scene):
         made = SCENES[scene]
-        return [made.get("body"), made.get("effects")] if of_equations(method) else scene
+        return [made["body"], made["effects"]] if of_equations(method) else scene
 
     return once("fit", question, ("rom", "losses"), f"{method}/{{seed}}")
 

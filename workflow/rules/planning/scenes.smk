@@ -72,13 +72,15 @@ class Once(NamedTuple):
 
 
 def once(step, question, names, model):
-    """Of answers with these names in the folder of `model`; `question`: scene -> all that they
-    depend on.
+    """Of answers with these names in the folder of `model`; `question`: scene with a body -> all
+    that they depend on.
     """
 
     def first(wildcards):
+        if wildcards.scene in RECORDED_SCENES:
+            return wildcards.scene
         asked = question(wildcards.scene)
-        return next(name for name in SCENES if name == wildcards.scene or question(name) == asked)
+        return next(name for name in WITH_BODY if question(name) == asked)
 
     def inputs(wildcards):
         scene = first(wildcards)
