@@ -152,9 +152,12 @@ class Reduced:
 
     def return_map(self) -> FlowMap:
         """See `Model.return_map`."""
-        from vibrom.solvers.periodic.flow_map import FlowMap
+        from vibrom.solvers.periodic.flow_map import FlowMap, odd
 
         rom, load = self.rom, self.known_load
+
+        def force(z: np.ndarray) -> np.ndarray:
+            return rom.force_map(z, load)
 
         def beside_along(z: np.ndarray) -> np.ndarray | None:
             added = rom.beside(z, load)
@@ -163,7 +166,7 @@ class Reduced:
         return FlowMap(
             field=rom.field(load),
             drift=rom.drift,
-            force=lambda z: rom.force_map(z, load),
+            force=force,
             encode=rom.encode,
             decode=rom.decode,
             displacement=lambda z: rom.displacement(z, self.probes),
@@ -173,6 +176,7 @@ class Reduced:
             load=load,
             reach=rom.reach,
             frequency=self.frequency,
+            parts=2 if odd(rom.drift, force, rom.reach) else 1,
         )
 
     def decoded(self, coordinates: np.ndarray, dofs: np.ndarray | None = None) -> np.ndarray:

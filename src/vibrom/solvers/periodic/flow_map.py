@@ -8,7 +8,8 @@ smooth: its derivative is taken by central differences of the map itself, the ne
 side with the point in the lanes of one run, so that one position and its velocity cost no more than
 the value. Some 1e-9 of the derivative is lost to rounding, and with a multiplier mu 1e-14 mu^2 to
 the curvature of the map. The one along a, which only tells where to go, is taken ahead, so that
-eight lanes are enough. The estimate of the error, which falls with the power 8 of the step as that
+eight lanes are enough. Where the drift is odd and the force even, z(t + T/2) = -z(t) has motions of
+its own: H is half a period and a change of sign. The estimate of the error, which falls with the power 8 of the step as that
 of DOP853, says how many steps a period takes.
 """
 
@@ -30,14 +31,16 @@ TOLERANCE = 1e-7  # of the range, estimated error of a step; what is lost in a p
 AIM = 0.2  # of it, where the number of steps is chosen anew
 FEWER = 0.75  # of the steps: where so few would do, so many are taken next time
 LOOSE = 1e-3  # with all the steps there are: a worse motion is lost
-FEWEST, MOST = 12, 256  # steps to a period
+FEWEST, MOST = 8, 256  # steps to a map
+ODD = 1e-5  # of the largest: what rounding leaves of an odd drift and an even force
+TRIED = 64  # points at which these are asked
 KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that are shown
 PHASES = 32  # samples of a period that tell its first harmonic
 
 
 @dataclass
 class _Steps:
-    """How many a period takes; the one thing that a map remembers."""
+    """How many a map takes; the one thing that it remembers."""
 
     number: int = FEWEST
 
@@ -61,7 +64,7 @@ class FlowMap:
     reach: np.ndarray  # (r,) Z
     frequency: float  # rad/s, a scale
     steps: _Steps = field(default_factory=_Steps)
-    parts: int = 1
+    parts: int = 1  # 2: half a period, for an odd drift and an even force
     free: bool = True  # the derivative costs no more than the value
 
     @property
@@ -85,7 +88,7 @@ class FlowMap:
         derivative: bool = True,
         phase: bool = False,
     ) -> Return:
-        """Where x (r,) is after a period."""
+        """H of x (r,)."""
         r, points = len(x), np.array([[*x, frequency, amplitude]], dtype=float)
         nudges = NUDGE * np.array([*np.ones(r), frequency, amplitude or 1.0])
         if derivative:
@@ -161,7 +164,7 @@ class FlowMap:
 
     def after(self, x: np.ndarray, frequency: float, amplitude: float, periods: int) -> np.ndarray:
         """Where x (r,) is after so many periods; NaN where the motion does not last."""
-        for _ in range(periods):
+        for _ in range(periods * self.parts):
             if np.isfinite(x).all():
                 x = self(x, frequency, amplitude, derivative=False).end
         return x
@@ -173,18 +176,21 @@ class FlowMap:
     def _run(self) -> flow_steps.Run:
         """What carries points over a period."""
         if self.field is None:
-            return flow_steps.plain(self.drift, self.force, self.reach)
-        return flow_steps.compiled(self.field, self.reach)
+            return flow_steps.plain(self.drift, self.force, self.reach, self.parts)
+        return flow_steps.compiled(self.field, self.reach, self.parts)
 
     def _periods(self, points: np.ndarray, kept: int = 1) -> tuple[np.ndarray, np.ndarray]:
-        """(ends (b, r), samples (b, kept, r) from the start on), in units of the range, of points
-        (b, r + 2): x, frequency and amplitude.
+        """(H (b, r), samples (b, kept, r) of a period from the start on), in units of the range, of
+        points (b, r + 2): x, frequency and amplitude.
         """
-        number = -(-self.steps.number // kept) * kept
-        end, path, error = self._run(points, number, kept)
+        each = -(-kept // self.parts)
+        number = -(-self.steps.number // each) * each
+        end, path, error = self._run(points, number, each)
         while not error < TOLERANCE and number < MOST:
-            number = -(-_enough(number, error) // kept) * kept
-            end, path, error = self._run(points, number, kept)
+            number = -(-_enough(number, error) // each) * each
+            end, path, error = self._run(points, number, each)
+        if self.parts == 2:
+            end, path = -end, np.concatenate([path, -path], axis=1)
         if not error < LOOSE:
             return np.full_like(end, np.nan), path
         if kept == 1:
@@ -199,6 +205,19 @@ def _enough(number: int, error: float) -> int:
         return MOST
     ratio = (error / (AIM * TOLERANCE)) ** (1.0 / 8.0)
     return min(max(4 * math.ceil(number * min(ratio, 2.0) / 4.0), FEWEST), MOST)
+
+
+def odd(
+    drift: Callable[[np.ndarray], np.ndarray],
+    force: Callable[[np.ndarray], np.ndarray],
+    reach: np.ndarray,
+) -> bool:
+    """Are drift(-z) = -drift(z) and force(-z) = force(z)? Of random z as far as twice the range."""
+    z = np.random.default_rng(0).uniform(-2.0, 2.0, (TRIED, len(reach))) * reach
+    return all(
+        np.abs(one + sign * other).max() <= ODD * np.abs(one).max()
+        for sign, one, other in ((1.0, drift(z), drift(-z)), (-1.0, force(z), force(-z)))
+    )
 
 
 def _waves(count: int) -> np.ndarray:

@@ -23,7 +23,8 @@ from vibrom.solvers.reduced.field import KERNEL, MAP, VectorField
 
 Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
 # Ends (b, r), samples (b, kept, r) and the largest error of a step, in units of the range, of
-# points (b, r + 2), x, frequency and amplitude, in so many steps, of which so many are kept.
+# points (b, r + 2), x, frequency and amplitude, in so many steps, of which so many are kept. They
+# go over a period, or one of its equal `parts`.
 Run = Callable[[np.ndarray, int, int], tuple[np.ndarray, np.ndarray, float]]
 
 STAGES = order_8.STAGES
@@ -32,7 +33,7 @@ _C, _E3, _E5 = (part[:STAGES].copy() for part in (order_8.C, order_8.E3, order_8
 _LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
 
 
-def compiled(field: VectorField, reach: np.ndarray) -> Run:
+def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
     """Of a compiled field; what does not change from one run to the next is made once."""
     r, maps = len(reach), (field.drift, field.force)
     addresses = [address_of(each.function, KERNEL) for each in maps]
@@ -45,9 +46,10 @@ def compiled(field: VectorField, reach: np.ndarray) -> Run:
         filled = np.empty((groups * WIDTH, r + 2))
         filled[:runs], filled[runs:] = points, points[-1]
         filled[:, :r] *= reach
+        filled[:, r] *= parts  # as one of them takes so much less time
         lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
         path = np.empty((groups * kept, r, WIDTH))
-        worst = _flow(*addresses, tables, reach, _waves(number), lanes, path)
+        worst = _flow(*addresses, tables, reach, _waves(number, parts), lanes, path)
         # (groups, ..., r, WIDTH) -> (runs, ..., r)
         ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
         samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
@@ -56,13 +58,13 @@ def compiled(field: VectorField, reach: np.ndarray) -> Run:
     return run
 
 
-def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
+def plain(drift: Function, force: Function, reach: np.ndarray, parts: int = 1) -> Run:
     """Of numpy functions."""
 
     def run(points: np.ndarray, number: int, kept: int) -> tuple[np.ndarray, np.ndarray, float]:
         r = len(reach)
         frequency, amplitude = points[:, r], points[:, r + 1]
-        z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number)[:, None]
+        z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number / parts)[:, None]
         path, worst = np.empty((len(z), kept, r)), 0.0
         slopes = np.empty((STAGES, *z.shape))
         for step in range(number):
@@ -70,7 +72,7 @@ def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
                 path[:, step // (number // kept)] = z / reach
             for s in range(STAGES):
                 y = z + h * np.tensordot(_A[s, :s], slopes[:s], 1)
-                signal = amplitude * _waves(number)[step, s]
+                signal = amplitude * _waves(number, parts)[step, s]
                 slopes[s] = drift(y) + force(y) * signal[:, None]
             z = z + h * np.tensordot(_B, slopes, 1)
             five, three = ((h * np.tensordot(e, slopes, 1) / reach) ** 2 for e in (_E5, _E3))
@@ -85,9 +87,9 @@ def plain(drift: Function, force: Function, reach: np.ndarray) -> Run:
 
 
 @lru_cache(maxsize=64)
-def _waves(number: int) -> np.ndarray:
+def _waves(number: int, parts: int) -> np.ndarray:
     """(number, STAGES) of the signal, at the stages of so many steps."""
-    return np.sin(2.0 * np.pi * (np.arange(number)[:, None] + _C) / number)
+    return np.sin(2.0 * np.pi * (np.arange(number)[:, None] + _C) / (number * parts))
 
 
 class Tables(NamedTuple):
