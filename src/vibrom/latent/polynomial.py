@@ -39,7 +39,7 @@ def monomials(y: np.ndarray, powers: np.ndarray) -> np.ndarray:
         np.multiply(table[degree - 1], y, out=table[degree])
     result = table[powers[:, 0], ..., 0]
     for axis in range(1, powers.shape[1]):
-        result = result * table[powers[:, axis], ..., axis]
+        result *= table[powers[:, axis], ..., axis]
     return np.moveaxis(result, 0, -1)
 
 

@@ -20,8 +20,9 @@ the model in JAX.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -71,11 +72,11 @@ class Point:
     value: Value  # with its derivative
     arc: float = 0.0  # along the branch
     iterations: int = 0  # evaluations that it took
+    shrunk: float = 0.0  # the most that Newton's corrections left in the next ones
 
     def scale(self, pace: Pace) -> np.ndarray:
         """(m + 1,) the sizes of x and p that count as one."""
-        size = float(np.linalg.norm(self.x)) or 1.0
-        return np.append(np.full(len(self.x), size), pace.scale)
+        return _scale(self.x, pace.scale)
 
     @property
     def u(self) -> np.ndarray:
@@ -83,9 +84,22 @@ class Point:
         return np.append(self.x, self.p)
 
 
+def _norm(vector: np.ndarray) -> float:
+    """As numpy's, which takes four times as long for three numbers."""
+    return math.sqrt(vector @ vector)
+
+
+def _scale(x: np.ndarray, of_p: float) -> np.ndarray:
+    """(m + 1,) the sizes of x (m,) and p that count as one."""
+    scale = np.full(len(x) + 1, _norm(x) or 1.0)
+    scale[-1] = of_p
+    return scale
+
+
 # Steps in a row no longer than STUCK lead nowhere, and a walk ends: as many as may turn by CRAWL
 # [rad], and FEWEST at least. It passes folds close by each other, and sharp turns, in fewer.
 CRAWL, FEWEST, STUCK = 6.0, 24, 2e-3
+SHRINK = 0.2  # what Newton's corrections may leave in the next ones; more, and steps become shorter
 
 
 class Lost(ArithmeticError):
@@ -105,6 +119,7 @@ class _Corrector:
     ):
         self.problem, self.pace, self.scale, self.normal = problem, pace, scale, normal
         self.factor: Any = None
+        self.shrunk = 0.0  # the most that is left of a correction in the next one
         if near is not None and not pace.newton:
             self.prepare(near)
 
@@ -138,6 +153,7 @@ class _Corrector:
         """(u, the value with its derivative near there, evaluations), in relative units."""
         u, before, exact = guess.copy(), np.inf, self.pace.newton or self.factor is None
         kept: Value | None = None
+        bent = 0.0
         for count in range(1, self.pace.iterations + 1):
             value = self.problem(u[:-1] * self.scale[0], float(u[-1] * self.scale[-1]), exact)
             if not value.ok:
@@ -147,13 +163,21 @@ class _Corrector:
                 # An older matrix may have told too little of how far it is, near a fold at most.
                 before = before if self.pace.newton else np.inf
             change = self.correction(value, float(self.normal @ (u - guess)))
-            size = float(np.linalg.norm(change))
+            size = _norm(change)
             if not size <= min(2.0 * before, 1.0):
                 raise Lost("corrections grow")
             u = u + change
             if exact and size <= self.pace.near and not value.rough:
                 kept = value
-            enough = self.pace.exact if self.pace.newton else self.pace.tolerance
+            enough = self.pace.tolerance
+            if self.pace.newton:
+                enough = self.pace.exact
+                if before > enough:
+                    self.shrunk = max(self.shrunk, size / before)
+                    bent = max(bent, size / before**2)
+                # Corrections are `bent` times the square of those before: twice that times this
+                # one is missed by the derivative, and by the tangent.
+                enough = min(enough, self.pace.near / max(bent, 1.0))
             if kept is not None and size <= enough and not value.rough:
                 return u, kept, count
             # A derivative is due where its own correction will be small, or others do no good.
@@ -168,17 +192,16 @@ class _Corrector:
         end = np.zeros(len(self.normal))
         end[-1] = 1.0
         t = self._solved(end)
-        return t / np.linalg.norm(t)
+        return t / _norm(t)
 
 
 def at(problem: Problem, x: np.ndarray, p: float, pace: Pace, toward: float = 1.0) -> Point:
     """The solution at this p near x; its tangent has p growing if `toward` is positive."""
-    m = len(x)
-    size = float(np.linalg.norm(x)) or 1.0
-    scale = np.append(np.full(m, size), pace.scale)
-    corrector = _Corrector(problem, pace, scale, np.append(np.zeros(m), 1.0))
+    scale = _scale(x, pace.scale)
+    corrector = _Corrector(problem, pace, scale, np.append(np.zeros(len(x)), 1.0))
     u, value, count = corrector.solve(np.append(x, p) / scale)
-    return _point(u, value, count, scale, np.sign(toward) * corrector.tangent(value), 0.0)
+    tangent = np.sign(toward) * corrector.tangent(value)
+    return replace(_point(u, value, count, scale, tangent, 0.0), shrunk=corrector.shrunk)
 
 
 def _point(
@@ -187,10 +210,8 @@ def _point(
     """The solution u, with its tangent in its own metric."""
     x = u[:-1] * scale[0]
     direction = tangent * scale
-    own = np.append(np.full(len(x), float(np.linalg.norm(x)) or 1.0), scale[-1])
-    return Point(
-        x, float(u[-1] * scale[-1]), direction / np.linalg.norm(direction / own), value, arc, count
-    )
+    own = direction / _norm(direction / _scale(x, scale[-1]))
+    return Point(x, float(u[-1] * scale[-1]), own, value, arc, count)
 
 
 def beyond(
@@ -207,15 +228,16 @@ def beyond(
     corrector = _Corrector(problem, pace, scale, np.sign(length) * normal, point.value)
     u, value, count = corrector.solve(guess)
     tangent = np.sign(length) * corrector.tangent(value)
-    return _point(u, value, count, scale, tangent, point.arc + length)
+    ahead = _point(u, value, count, scale, tangent, point.arc + length)
+    return replace(ahead, shrunk=corrector.shrunk)
 
 
 def _curved(before: Point, point: Point, scale: np.ndarray, length: float) -> np.ndarray:
     """What the cubic through two points and their tangents adds to the second tangent."""
     back = (before.u - point.u) / scale
     here, there = point.tangent / scale, before.tangent / scale
-    there = there / np.linalg.norm(there)
-    h = -np.sign(back @ here) * float(np.linalg.norm(back))
+    there = there / _norm(there)
+    h = -np.sign(back @ here) * _norm(back)
     square = (back + h * here) / h**2
     cubic = (there - here + 2.0 * h * square) / h**2
     return length**2 * (square + (length + h) * cubic)
@@ -239,7 +261,7 @@ def turning(left: Point, right: Point, pace: Pace) -> float:
     """Angle [rad] between two tangents."""
     scale = left.scale(pace)
     one, other = left.tangent / scale, right.tangent / scale
-    cosine = one @ other / (np.linalg.norm(one) * np.linalg.norm(other))
+    cosine = one @ other / (_norm(one) * _norm(other))
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
@@ -261,6 +283,8 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
             continue
         short = short + 1 if length <= STUCK else 0
         most = 0.7 if ahead.iterations > pace.few else 1.0 if held else 2.0
+        # The prediction's error, and with it the first contraction, go with the length's power 4.
+        most = min(most, (SHRINK / max(ahead.shrunk, 1e-12)) ** 0.25)
         growth = max(min(pace.turn / max(angle, 1e-12), most), 0.4)
         length, held = min(length * growth, pace.largest), False
         before, point = point, ahead

@@ -18,6 +18,9 @@ from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Val
 from vibrom.solvers.periodic.maps import Equation, Return, Swing
 
 SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, nearly linear
+# What Newton's corrections from rest may leave in the next ones at the whole forcing. By Kantorovich's
+# theorem there is then one motion so near to rest, and one at every smaller forcing.
+STRAIGHT = 0.1
 MOST = 200  # points from rest to a start
 
 
@@ -66,7 +69,10 @@ def in_amplitude(flow: Equation, frequency: float) -> Along:
 
 
 def _value(found: Return, x: np.ndarray, by_p: np.ndarray | None) -> Value:
-    by_x = None if found.by_start is None else found.by_start - np.eye(len(x))
+    by_x = None
+    if found.by_start is not None:
+        by_x = found.by_start.copy()
+        by_x.flat[:: len(x) + 1] -= 1.0
     return Value(found.end - x, by_x, by_p, found.ok, found.rough, found)
 
 
@@ -81,6 +87,14 @@ def from_rest(flow: Equation, frequency: float, amplitude: float) -> np.ndarray:
     """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
     problem = in_amplitude(flow, frequency)
     pace = Pace(0.5 * amplitude, first=0.2, largest=1.0, turn=0.5, newton=flow.free)
+    if flow.free:
+        try:
+            once = continuation.at(problem, np.zeros(flow.size), amplitude, pace)
+        except Lost:
+            pass
+        else:
+            if once.shrunk <= STRAIGHT:
+                return once.x
     before = _beginning(problem, flow.size, amplitude, pace)
     for count, ahead in enumerate(continuation.walk(problem, before, pace)):
         if ahead.p >= amplitude:

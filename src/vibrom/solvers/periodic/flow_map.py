@@ -26,8 +26,8 @@ from vibrom.solvers.periodic import flow_steps
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.reduced.field import VectorField
 
-NUDGE = 1e-7  # of the range, of the frequency and of the amplitude
-TOLERANCE = 1e-7  # of the range, estimated error of a step; what is lost in a period is less
+NUDGE = 1e-8  # of the range, of the frequency and of the amplitude
+TOLERANCE = 1e-6  # of the range, estimated error of a step; what is lost in a period is less
 AIM = 0.2  # of it, where the number of steps is chosen anew
 FEWER = 0.75  # of the steps: where so few would do, so many are taken next time
 LOOSE = 1e-3  # with all the steps there are: a worse motion is lost
@@ -89,22 +89,23 @@ class FlowMap:
         phase: bool = False,
     ) -> Return:
         """H of x (r,)."""
-        r, points = len(x), np.array([[*x, frequency, amplitude]], dtype=float)
-        nudges = NUDGE * np.array([*np.ones(r), frequency, amplitude or 1.0])
+        r, given = len(x), np.array([*x, frequency, amplitude], dtype=float)
+        points, nudges = given[None], NUDGE * given
         if derivative:
-            points = points + self._neighbours * nudges
+            nudges[:r], nudges[r + 1] = NUDGE, nudges[r + 1] or NUDGE
+            points = given + self._neighbours * nudges
         end, path = self._periods(points, PHASES if phase else 1)
         if not np.isfinite(end).all():
             return Return(end[0], ok=False)
-        values = [end, self._in_phase(path, points[:, -1])[:, None]] if phase else [end]
-        value = np.concatenate(values, axis=1)
-        found = Return(end[0], ok=True, in_phase=float(value[0, r]) if phase else None)
+        value = end
+        if phase:
+            value = np.concatenate([end, self._in_phase(path, points[:, -1])[:, None]], axis=1)
+        found = value[0, r] if phase else None
         if not derivative:
-            return found
+            return Return(end[0], ok=True, in_phase=found)
         slopes = value.T @ self._differences / nudges
-        by_x, by_frequency, by_amplitude = slopes[:r, :r], slopes[:r, r], slopes[:r, r + 1]
-        found = replace(found, by_start=by_x, by_frequency=by_frequency, by_amplitude=by_amplitude)
-        return replace(found, in_phase_by=slopes[r]) if phase else found
+        by = slopes[:r, :r], slopes[:r, r], slopes[:r, r + 1]
+        return Return(end[0], True, False, *by, found, slopes[r] if phase else None)
 
     def _in_phase(self, path: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
         """(b,) what is in phase with the load in samples (b, k, r) of a period, under amplitudes

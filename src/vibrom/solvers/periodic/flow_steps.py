@@ -52,6 +52,8 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
         worst = _flow(*addresses, tables, reach, _waves(number, parts), lanes, path)
         # (groups, ..., r, WIDTH) -> (runs, ..., r)
         ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
+        if kept == 1:
+            return ends, points[:, None, :r], worst
         samples = path.reshape(groups, kept, r, WIDTH).transpose(0, 3, 1, 2)
         return ends, samples.reshape(-1, kept, r)[:runs] / reach, worst
 
