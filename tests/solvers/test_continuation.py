@@ -89,11 +89,15 @@ def test_a_root_between_two_points_is_found():
     right = continuation.beyond(cubic, left, 0.2, pace)
     assert left.tangent[-1] * right.tangent[-1] < 0.0
 
-    def close(one, other):
-        return abs(one.p - other.p) < 1e-9
+    def slope(point):
+        return point.tangent[-1]
 
-    found = between.root(cubic, left, right, lambda point: point.tangent[-1], close, pace)
-    assert found[0].p == pytest.approx(2.0 / 3.0, abs=3e-8)
+    def close(point):
+        return abs(slope(point)) < 1e-5
+
+    found = between.root(cubic, left, right, slope, close, pace)
+    assert close(found[0]) and len(found) <= 6
+    assert found[0].p == pytest.approx(2.0 / 3.0, abs=1e-10)  # the square of the slope
     assert all(left.arc < item.arc < right.arc for item in found)
     onto = between.onto(cubic, left, found[0], 0.65, pace)
     assert onto.p == pytest.approx(0.65) and onto.x[0] < -1.0

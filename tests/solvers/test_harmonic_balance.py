@@ -57,7 +57,8 @@ def test_the_curve_is_that_by_shooting_and_says_how_many_harmonics_it_takes(two)
         errors.append(np.abs(folds(found) / folds(shot) - 1.0).max())
     # Odd harmonics of a cubic spring fall by the ratio of its force to the inertia, here a tenth.
     assert all(later < 0.2 * sooner for sooner, later in zip(missed, missed[1:]))
-    assert errors[0] < 1e-4 and errors[2] < 1e-8
+    # By shooting, steps with an error of 1e-6 leave less than a tenth of that.
+    assert errors[0] < 1e-4 and errors[2] < 1e-7
     top, balanced = (
         max(item.swing.displacement[0].max() for item in all_) for all_ in (shot, found)
     )
@@ -68,12 +69,14 @@ def test_the_curve_is_that_by_shooting_and_says_how_many_harmonics_it_takes(two)
 def test_multipliers_are_those_of_the_same_motion_by_shooting(two):
     flow, shot = two
     balance = HarmonicBalance(flow, 9)
-    for item in shot[::12]:
+    steep = [item for item in shot if abs(item.orbit.point.tangent[-1]) > 1e-3]
+    for item in steep[::12]:  # near a fold the frequency does not tell which motion
         x, omega = item.orbit.point.x, item.orbit.p
         start = balance.of_point(x, omega, FORCE)
         point = at(in_frequency(balance, FORCE), start, omega, Pace(0.04, newton=True))
         ours = np.sort(np.abs(point.value.details.multipliers))
-        np.testing.assert_allclose(ours, np.sort(np.abs(item.multipliers)), rtol=1e-5)
+        theirs = np.sort(np.abs(item.multipliers)) ** flow.parts
+        np.testing.assert_allclose(ours, theirs, rtol=1e-5)
         np.testing.assert_allclose(point.value.details.start, x, atol=1e-5)
 
 

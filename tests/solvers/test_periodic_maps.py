@@ -147,9 +147,9 @@ def test_multipliers_are_those_of_the_variational_equation(kind):
         flow = replace(flow, symmetry=None)
         tolerance = 1e-5  # (omega h)^2/12 = 2e-7 a radian, and stability turns on a few radians
     else:
-        flow = systems.reduced(**systems.DUFFING).return_map()
+        flow = replace(systems.reduced(**systems.DUFFING).return_map(), parts=1)
         flow = replace(flow, field=None) if kind == "reduced in numpy" else flow
-        tolerance = 1e-7
+        tolerance = 3e-7  # of a step's estimated error, 1e-6, this much is left in a period
     x = periodic(flow, frequency, amplitude)
     state = flow.state(x)
     np.testing.assert_allclose(flow.of_state(state), x, atol=1e-9)
@@ -169,20 +169,6 @@ def test_multipliers_are_those_of_the_variational_equation(kind):
     # Liouville: the product is exp(-c T), whatever the motion.
     product = np.exp(-systems.DUFFING["damping"] * 2 * np.pi / frequency)
     assert np.prod(found.multipliers).real == pytest.approx(product, abs=tolerance)
-
-
-def test_multipliers_of_a_saddle_that_motions_leave_by_a_factor_of_a_thousand():
-    """mu = exp(lambda T), lambda^2 + c lambda - 1 = 0. Differences with a nudge d of the range Z
-    are off by cubic (d Z mu)^2/8 = 6e-9 of the derivative, of which the product of the two
-    multipliers, a difference of terms of the size mu^2 = 1.2e6, is off by 7e-3.
-    """
-    damping = 0.04
-    rates = np.roots([1.0, damping, -1.0])
-    period = 7.0 / rates.max()
-    flow = systems.saddle(damping, 1.0).return_map()
-    found = np.sort(flow(np.zeros(2), 2 * np.pi / period, 0.0).multipliers)
-    assert found[1] == pytest.approx(np.exp(7.0), rel=1e-6)
-    assert np.prod(found) == pytest.approx(np.exp(-damping * period), abs=2e-2)
 
 
 def test_a_periodic_motion_is_where_time_marching_ends():

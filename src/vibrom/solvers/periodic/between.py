@@ -37,14 +37,14 @@ def root(
     left: Point,
     right: Point,
     test: Callable[[Point], float],
-    close: Callable[[Point, Point], bool],
+    close: Callable[[Point], bool],
     pace: Pace,
 ) -> list[Point]:
     """Points between two neighbours on which `test` has opposite signs, the root first: what regula
-    falsi (in its Illinois form) visits until two in a row are `close`.
+    falsi (in its Illinois form) visits until one is `close`.
     """
     found: list[Point] = []
-    low, high, at_low, at_high = left, right, test(left), test(right)
+    low, high, at_low, at_high, kept = left, right, test(left), test(right), 0
     for _ in range(MOST):
         share = at_low / (at_low - at_high)
         length = (high.arc - low.arc) * min(max(share, 0.02), 0.98)
@@ -54,10 +54,12 @@ def root(
             break
         value = test(middle)
         found.insert(0, middle)
-        if found[1:] and close(found[0], found[1]):
+        if close(middle):
             break
-        if (value > 0) == (at_high > 0):
-            high, at_high, at_low = middle, value, 0.5 * at_low if found[1:] else at_low
+        if (value > 0) == (at_high > 0):  # an end that stays twice counts half
+            high, at_high, at_low = middle, value, at_low * (0.5 if kept < 0 else 1.0)
+            kept = -1
         else:
-            low, at_low, at_high = middle, value, 0.5 * at_high if found[1:] else at_high
+            low, at_low, at_high = middle, value, at_high * (0.5 if kept > 0 else 1.0)
+            kept = 1
     return found

@@ -18,8 +18,8 @@ from vibrom.solvers.periodic.continuation import Lost, Pace, Point, Problem, Val
 from vibrom.solvers.periodic.maps import Equation, Return, Swing
 
 SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, nearly linear
-# What Newton's corrections from rest may leave in the next ones at the whole forcing. By Kantorovich's
-# theorem there is then one motion so near to rest, and one at every smaller forcing.
+# What Newton's corrections from rest may leave in the next ones at the whole forcing: by
+# Kantorovich's theorem there is then one motion near rest, and one at every smaller forcing.
 STRAIGHT = 0.1
 MOST = 200  # points from rest to a start
 
@@ -87,14 +87,9 @@ def from_rest(flow: Equation, frequency: float, amplitude: float) -> np.ndarray:
     """A motion x (m,) at this forcing, followed from rest. Raises Lost."""
     problem = in_amplitude(flow, frequency)
     pace = Pace(0.5 * amplitude, first=0.2, largest=1.0, turn=0.5, newton=flow.free)
-    if flow.free:
-        try:
-            once = continuation.at(problem, np.zeros(flow.size), amplitude, pace)
-        except Lost:
-            pass
-        else:
-            if once.shrunk <= STRAIGHT:
-                return once.x
+    once = _at_once(problem, flow.size, amplitude, pace)
+    if once is not None:
+        return once
     before = _beginning(problem, flow.size, amplitude, pace)
     for count, ahead in enumerate(continuation.walk(problem, before, pace)):
         if ahead.p >= amplitude:
@@ -103,6 +98,17 @@ def from_rest(flow: Equation, frequency: float, amplitude: float) -> np.ndarray:
             break
         before = ahead
     raise Lost("the amplitude of the forcing was not reached")
+
+
+def _at_once(problem: Problem, size: int, amplitude: float, pace: Pace) -> np.ndarray | None:
+    """The motion (m,), where Newton's method tells that it is nearly linear."""
+    if not pace.newton:
+        return None
+    try:
+        found = continuation.at(problem, np.zeros(size), amplitude, pace)
+    except Lost:
+        return None
+    return found.x if found.bent * np.linalg.norm(found.x) <= STRAIGHT else None
 
 
 def _beginning(problem: Problem, size: int, amplitude: float, pace: Pace) -> Point:

@@ -6,18 +6,19 @@ Z is the training range. Runge-Kutta steps of order 8 (Dormand and Prince's, as 
 Wanner, Solving Ordinary Differential Equations I, II.5), all of one length, so that the map is
 smooth: its derivative is taken by central differences of the map itself, the neighbours side by
 side with the point in the lanes of one run, so that one position and its velocity cost no more than
-the value. Some 1e-9 of the derivative is lost to rounding, and with a multiplier mu 1e-14 mu^2 to
-the curvature of the map. The one along a, which only tells where to go, is taken ahead, so that
-eight lanes are enough. Where the drift is odd and the force even, z(t + T/2) = -z(t) has motions of
-its own: H is half a period and a change of sign. The estimate of the error, which falls with the power 8 of the step as that
-of DOP853, says how many steps a period takes.
+the value. With nudges d and slopes mu, 1e-16/d of the derivative is lost to rounding and d^2 mu^2
+to the curvature of the map: the larger the slopes, the smaller the nudges. The one along a, which
+only tells where to go, is taken ahead, so that eight lanes are enough. Where the drift is odd and
+the force even, motions z(t + T/2) = -z(t) are followed: H is half a period and a change of sign.
+The estimate of the error, which falls with the power 8 of the step as that of DOP853, says how many
+steps a map takes.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +27,7 @@ from vibrom.solvers.periodic import flow_steps
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.reduced.field import VectorField
 
-NUDGE = 1e-8  # of the range, of the frequency and of the amplitude
+NUDGE = 1e-7  # of the range, of the frequency and of the amplitude, where slopes are one or less
 TOLERANCE = 1e-6  # of the range, estimated error of a step; what is lost in a period is less
 AIM = 0.2  # of it, where the number of steps is chosen anew
 FEWER = 0.75  # of the steps: where so few would do, so many are taken next time
@@ -35,14 +36,16 @@ FEWEST, MOST = 8, 256  # steps to a map
 ODD = 1e-5  # of the largest: what rounding leaves of an odd drift and an even force
 TRIED = 64  # points at which these are asked
 KEPT, SHOWN = 128, 512  # samples of a period that are evaluated, and those that are shown
+BLOCK = 512  # samples that are decoded at a time, whose numbers stay near the processor
 PHASES = 32  # samples of a period that tell its first harmonic
 
 
 @dataclass
 class _Steps:
-    """How many a map takes; the one thing that it remembers."""
+    """How many a map takes, and how large its derivative is; all that it remembers."""
 
     number: int = FEWEST
+    slope: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -90,9 +93,11 @@ class FlowMap:
     ) -> Return:
         """H of x (r,)."""
         r, given = len(x), np.array([*x, frequency, amplitude], dtype=float)
-        points, nudges = given[None], NUDGE * given
+        points = given[None]
         if derivative:
-            nudges[:r], nudges[r + 1] = NUDGE, nudges[r + 1] or NUDGE
+            nudge = NUDGE / max(self.steps.slope, 1.0) ** 0.5
+            nudges = nudge * given
+            nudges[:r], nudges[r + 1] = nudge, nudges[r + 1] or nudge
             points = given + self._neighbours * nudges
         end, path = self._periods(points, PHASES if phase else 1)
         if not np.isfinite(end).all():
@@ -105,6 +110,7 @@ class FlowMap:
             return Return(end[0], ok=True, in_phase=found)
         slopes = value.T @ self._differences / nudges
         by = slopes[:r, :r], slopes[:r, r], slopes[:r, r + 1]
+        self.steps.slope = float(np.abs(by[0]).max())
         return Return(end[0], True, False, *by, found, slopes[r] if phase else None)
 
     def _in_phase(self, path: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
@@ -145,9 +151,12 @@ class FlowMap:
         """
         ratio = np.abs(path).max(axis=(1, 2))
         z = (path * self.reach).reshape(-1, self.size)
-        shown, added = self.displacement(z), self.beside(z)
-        if added is not None:
+        blocks = [z[first : first + BLOCK] for first in range(0, len(z), BLOCK)]
+        shown = np.concatenate([self.displacement(block) for block in blocks])
+        beside = [self.beside(block) for block in blocks]
+        if beside[0] is not None:
             waves = _waves(KEPT)[:, None] * amplitude[:, None]
+            added = np.concatenate(beside, axis=1)
             shown = shown + np.einsum("wb,wbk->bk", waves.reshape(2, -1), added)
         shown = shown.reshape(len(path), KEPT, -1).transpose(0, 2, 1)
         finite = np.isfinite(shown).all(axis=(1, 2))

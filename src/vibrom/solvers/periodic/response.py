@@ -22,7 +22,7 @@ from vibrom.solvers.periodic.equations import Along, from_rest
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.periodic.stability import Kind
 
-FOLD = 1e-7  # of the scale of p: how well folds are located
+FOLD = 1e-5  # slope of p, over its scale, along the branch: how well folds are located
 CIRCLE = 1e-3  # |ln |mu||: how well other losses of stability are
 PEAK = 3  # points that are added about a peak
 AROUND = 4  # points from a start, which a branch that comes back passes again
@@ -161,7 +161,7 @@ def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int
             left,
             right,
             lambda point: point.tangent[-1],
-            lambda one, other: abs(one.p - other.p) <= FOLD * pace.scale,
+            lambda point: abs(point.tangent[-1]) <= FOLD * pace.scale,
             pace,
         )
         found += _named(points, Kind.FOLD)
@@ -174,9 +174,7 @@ def _special(problem: Problem, left: Point, right: Point, pace: Pace, parts: int
             left,
             right,
             lambda point: stability.growth(point.value.details.multipliers, number),
-            lambda one, other: (
-                abs(stability.growth(one.value.details.multipliers, number)) <= CIRCLE
-            ),
+            lambda point: abs(stability.growth(point.value.details.multipliers, number)) <= CIRCLE,
             pace,
         )
         if points:
