@@ -41,7 +41,7 @@ def root(
     pace: Pace,
 ) -> list[Point]:
     """Points between two neighbours on which `test` has opposite signs, the root first: what regula
-    falsi (in its Illinois form) visits until one is `close`.
+    falsi (in its Illinois form) visits, two at least, until one is `close`.
     """
     found: list[Point] = []
     low, high, at_low, at_high, kept = left, right, test(left), test(right), 0
@@ -54,7 +54,7 @@ def root(
             break
         value = test(middle)
         found.insert(0, middle)
-        if close(middle):
+        if found[1:] and close(middle):
             break
         if (value > 0) == (at_high > 0):  # an end that stays twice counts half
             high, at_high, at_low = middle, value, at_low * (0.5 if kept < 0 else 1.0)

@@ -53,7 +53,6 @@ class Point:
 # [rad], and FEWEST at least. It passes folds close by each other, and sharp turns, in fewer.
 CRAWL, FEWEST, STUCK = 6.0, 24, 2e-3
 NEWTON_FEW = 3  # evaluations of Newton's method up to which a step may grow
-MISSED = 0.2  # of a step: a cubic prediction that is farther off may lead to another branch
 
 
 def at(problem: Problem, x: np.ndarray, p: float, pace: Pace, toward: float = 1.0) -> Point:
@@ -87,8 +86,9 @@ def beyond(
     if before is not None:
         guess += _curved(before, point, scale, length)
     sign = float(np.sign(length))
-    room = abs(length) * (1.0 if before is None else MISSED)
-    corrector = Corrector(problem, pace, scale, sign * normal, point.value, point.bent, room)
+    # A prediction that is a whole step off may lead to another branch.
+    given = problem, pace, scale, sign * normal, point.value, point.bent, abs(length)
+    corrector = Corrector(*given)
     u, value, count = corrector.solve(guess)
     return _point(corrector, u, value, count, sign, point.arc + length)
 
