@@ -17,6 +17,7 @@ from project_copy import until
 from vibrom import tracking
 from vibrom.tracking import TrackedRun, record, thinned
 from vibrom.tracking import __main__ as serve
+from vibrom.tracking.stored_model import Parts
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +46,7 @@ def store(tmp_path_factory):
                 data=(tracking.Data("folding train", "0123abc", "results/train.nc"),),
             ),
             TrackedRun("summary", files={"tables": [str(table)]}),
+            TrackedRun("1.5-long ssmlearn unseeded", model=Parts(str(table), str(table), {}, 200)),
         ]
         if value == 1.5:
             runs.append(TrackedRun("small split seed_0"))
@@ -59,11 +61,19 @@ def rows(folder, query):
 
 def test_recording_again_replaces(store):
     assert sorted(rows(store, "select name, status, lifecycle_stage from runs")) == [
+        ("1.5-long ssmlearn unseeded", "FINISHED", "active"),
         ("folding split seed_0", "FINISHED", "active"),
         ("summary", "FINISHED", "active"),
     ]
     assert rows(store, "select value from latest_metrics where key = 'decay/nmte_percent'") == [
         (2.5,)
+    ]
+
+
+def test_any_scene_may_have_a_model(store):
+    """MLflow takes no dots in the name of one."""
+    assert rows(store, "select name, status from logged_models") == [
+        ("1_5-long_ssmlearn_unseeded", 2)
     ]
 
 
@@ -110,7 +120,8 @@ def test_links_open_views_that_the_store_has(store):
 
 
 def test_a_run_has_source_duration_note_and_data(store):
-    tags = dict(rows(store, "select key, value from tags"))
+    mine = "join runs using (run_uuid) where name like 'folding%'"
+    tags = dict(rows(store, f"select key, value from tags {mine}"))
     assert tags["mlflow.source.name"] == "Snakefile" and "one model" in tags["mlflow.note.content"]
     assert rows(store, "select end_time - start_time from runs where name like 'folding%'") == [
         (2500,)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import logging
 import math
 import os
+import re
 import shlex
 import shutil
 import socket
@@ -226,7 +227,7 @@ def _log_model(client, experiment: str, identity: str, run: TrackedRun) -> None:
     """The fitted model, such that `mlflow.pyfunc.load_model` gives what predicts its decay."""
     from mlflow.entities import LoggedModelOutput
 
-    named = run.name.replace(" ", "_")
+    named = re.sub(r"[^\w-]", "_", run.name)  # names of models have no dots, those of scenes may
     made = client.create_logged_model(experiment, named, source_run_id=identity)
     with tempfile.TemporaryDirectory() as folder:
         home = Path(folder) / "model"
