@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from vibrom.artefacts.data import label, open_dataset, save_dataset, variable
+from vibrom.artefacts.data import DataError, label, open_dataset, save_dataset, variable
 from vibrom.config import plugs
 from vibrom.config.check import checked
 from vibrom.config.errors import SettingsError, closest
@@ -167,7 +167,8 @@ def fit(
     """
     if method not in plugs.names("methods"):
         _refuse(("method",), method, f"is not known; {closest(method, plugs.names('methods'))}")
-    chosen = method_from_settings(method, settings)
+    asked = checked(settings, plugs.settings_of("methods", method), (), _refuse)
+    chosen = method_from_settings(method, asked)
     rom = chosen.learn(Training(recorded.train, seed=seed))
     reduced = Reduced(rom, recorded.in_phase, recorded.places, recorded.frequency, Integrator())
     return FittedModel(reduced, recorded.channels)
@@ -175,8 +176,13 @@ def fit(
 
 def open_model(path: str | Path) -> FittedModel:
     """What `FittedModel.save` wrote."""
-    stored = open_dataset(path, "rom")
-    load, probes = (stored[f"scene_{name}"].values for name in ("load", "probe_dof"))
+    try:
+        stored = open_dataset(path, "rom")
+        load, probes = (stored[f"scene_{name}"].values for name in ("load", "probe_dof"))
+    except (DataError, KeyError) as error:
+        raise DataError(
+            f"{path}: no model that FittedModel.save wrote; give the path of one"
+        ) from error
     reduced = Reduced(
         rom_from_dataset(stored), load, probes, float(stored["scene_frequency"]), Integrator()
     )

@@ -5,6 +5,7 @@ import pytest
 from oscillator import Oscillator, noisy
 
 import vibrom
+from vibrom.artefacts.files import DataError
 from vibrom.config.errors import SettingsError
 from vibrom.models.training import Unsupported
 
@@ -71,8 +72,17 @@ def test_wrong_settings_and_methods_are_one_line():
     data = vibrom.of_arrays(TIME, [IT.motion(TIME, 1.0)], [])
     with pytest.raises(SettingsError, match="method = 'ssmlaern' is not known; did you mean"):
         vibrom.fit(data, "ssmlaern")
+    with pytest.raises(SettingsError, match="order_dynamics = -1 must be at least 1; change it"):
+        vibrom.fit(data, "ssmlearn", order_dynamics=-1)
     with pytest.raises(Unsupported, match="modal_projection needs mass"):
         vibrom.fit(data, "modal_projection")
+
+
+def test_a_file_that_holds_no_model_is_not_said_to_be_deleted(tmp_path):
+    """A measurement may have been given by mistake."""
+    (tmp_path / "measured.csv").write_text("time,tip\n0,1\n")
+    with pytest.raises(DataError, match="measured.csv: no model that FittedModel.save wrote; give"):
+        vibrom.open_model(tmp_path / "measured.csv")
 
 
 def test_what_is_public_is_listed_and_documented():
