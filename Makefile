@@ -63,7 +63,7 @@ paper: environment
 
 # Pages that open from disk; nothing is fetched.
 docs: environment
-	@DISABLE_MKDOCS_2_WARNING=true $(BIN)/python -m mkdocs build -q --strict
+	@DISABLE_MKDOCS_2_WARNING=true NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build -q --strict
 	@echo "Next: open results/docs/index.html"
 
 report: environment
