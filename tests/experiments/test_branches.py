@@ -272,3 +272,29 @@ def test_harmonic_balance_gives_a_second_opinion_of_the_full_order(answers, bran
     # Where the equations are all but singular, at a fold, a correction is more than what is missed.
     assert answer["balanced_missed"].values[asked_of].max() < 1e-5
     assert np.isnan(answer["balanced_frequency"].values[~asked_of]).all()
+
+
+def test_sweeps_find_motions_that_are_no_mirror_images_of_themselves():
+    """x'' + c x' - x + x^3 = a sin(Omega t) has a well at x = 1 and one at -1, in which it swings
+    like y'' + c y' + 2 y = a sin(Omega t) but for terms of order a; the symmetric motion about the
+    saddle between them is unstable.
+    """
+    damping, forcing = 0.1, 0.005
+    seen = {"frequency": np.sqrt(2.0), "probes": np.array([0, 0])}
+    model = dataclasses.replace(systems.saddle(damping, 1.0), **seen)
+    asked = Branches(forcing=forcing, lowest=0.7, highest=1.3, resonances=0, sweeps=2)
+    answer = asked.ask(model, two_dofs.given())
+    branch, omega = answer["branch"].values, answer["angular_frequency"].values
+    high, low = (answer[name].values[0] for name in ("maximum", "minimum"))
+    wells = [
+        number for number in np.unique(branch) if answer["stable"].values[branch == number].all()
+    ]
+    assert len(wells) == 2 and answer["stable_motions"].values.tolist() == [2] * asked.frequencies
+    one, other = (branch == number for number in wells)
+    expected = forcing / np.abs(2.0 - omega**2 + 1j * damping * omega)
+    for here, centre in ((one, np.sign(high[one][0])), (other, np.sign(high[other][0]))):
+        swing = 0.5 * (high - low)[here]
+        # (3 x^2)' and x^3 shift the frequency by some a^2 and the amplitude by a few of its own.
+        assert np.abs(swing / expected[here] - 1.0).max() < 0.05
+        assert np.abs(0.5 * (high + low)[here] - centre).max() < 0.01
+    assert np.sign(high[one][0]) == -np.sign(high[other][0])

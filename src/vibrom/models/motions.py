@@ -41,7 +41,10 @@ def motions(
     """
     prepare(curve.flow, curve.drive(span.lowest)[0])
     began = time.perf_counter()
-    found = response(curve, span, pace, near())
+    guesses = near()
+    images = [(image, p) for x, p in guesses if (image := curve.image(x, p)) is not None]
+    curve = curve.whole if images else curve
+    found = response(curve, span, pace, guesses + images)
     opinions = _opinions(curve, found, second) if second else {}
     seconds = time.perf_counter() - began
     rows = opinions | _driven(curve, found) | _shown(found)

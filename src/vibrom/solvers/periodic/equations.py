@@ -9,7 +9,7 @@ linear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ SMALL = (0.1, 0.01)  # of the forcing: where the continuation in it begins, near
 # Kantorovich's theorem there is then one motion near rest, and one at every smaller forcing.
 STRAIGHT = 0.1
 MOST = 200  # points from rest to a start
+ASYMMETRIC = 1e-3  # of a motion: half a period changes no more of a symmetric one
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,23 @@ class Along:
         """What the motions of points x (b, m) at p (b,) look like."""
         drives = np.array([self.drive(float(one)) for one in p])
         return self.flow.swings(x, *drives.T)
+
+    @property
+    def whole(self) -> Along:
+        """The same over whole periods."""
+        return replace(self, flow=self.flow.whole)
+
+    def image(self, x: np.ndarray, p: float) -> np.ndarray | None:
+        """Of an asymmetric motion near x and p, which half a period and a change of sign make
+        another one, a point of that; None of a symmetric motion.
+        """
+        if self.flow.parts == 1:
+            return None
+        once = self.flow(x, *self.drive(p), derivative=False).end
+        twice = self.flow(once, *self.drive(p), derivative=False).end
+        left = np.linalg.norm(once - x)
+        back = np.linalg.norm(twice - x) < 0.1 * left
+        return once if back and left > ASYMMETRIC * np.linalg.norm(x) else None
 
     def ends(self, lowest: float, highest: float) -> list[tuple[float, float]]:
         """Where motions from rest begin a curve, and which way it goes from there. In a forcing

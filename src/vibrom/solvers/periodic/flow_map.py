@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -69,6 +69,11 @@ class FlowMap:
     steps: _Steps = field(default_factory=_Steps)
     parts: int = 1  # 2: half a period, for an odd drift and an even force
     free: bool = True  # the derivative costs no more than the value
+
+    @cached_property
+    def whole(self) -> FlowMap:
+        """See `Equation`."""
+        return replace(self, parts=1, steps=_Steps())
 
     @property
     def size(self) -> int:

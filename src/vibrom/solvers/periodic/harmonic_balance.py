@@ -16,7 +16,7 @@ Source: Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems (2019
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -61,10 +61,10 @@ class HarmonicBalance:
         """Of x."""
         return (2 * self.harmonics + 1) * self.flow.size
 
-    @cached_property
-    def _whole(self) -> FlowMap:
-        """The map over a whole period."""
-        return replace(self.flow, parts=1)
+    @property
+    def whole(self) -> HarmonicBalance:
+        """Itself: a sum of harmonics is a whole period."""
+        return self
 
     def _waves(self, count: int) -> np.ndarray:
         """(count, 2 h + 1): one, the cosines, the sines at so many instants of a period."""
@@ -122,7 +122,7 @@ class HarmonicBalance:
             by_frequency=turned.ravel(),
             by_amplitude=-(self._to_harmonics @ (signal[:, None] * push)).ravel(),
             start=start,
-            period=lambda: self._whole(start, frequency, amplitude),
+            period=lambda: flow.whole(start, frequency, amplitude),
         )
 
     def _slope(self, y: np.ndarray, frequency: float, signal: np.ndarray) -> np.ndarray:

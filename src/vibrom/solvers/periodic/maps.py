@@ -70,6 +70,11 @@ class Equation(Protocol):
         ...
 
     @property
+    def whole(self) -> Equation:
+        """The same with one map to a period, which asymmetric motions need."""
+        ...
+
+    @property
     def free(self) -> bool:
         """Does the derivative cost no more than the value?"""
         ...

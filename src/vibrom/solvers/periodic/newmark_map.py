@@ -58,6 +58,11 @@ class NewmarkMap:
         return 1 if self.symmetry is None or self.steps_per_period % 2 else 2
 
     @property
+    def whole(self) -> NewmarkMap:
+        """See `Equation`."""
+        return replace(self, symmetry=None)
+
+    @property
     def size(self) -> int:
         """Of x."""
         return 2 * self.term.size
