@@ -117,6 +117,19 @@ def in_a_well(damping):
     return replace(model, rom=rom, frequency=np.sqrt(2.0))
 
 
+def one_to_two(coupling, damping):
+    """x'' + 2 d x' + x = 2 e x y + a sin(Omega t),  y'' + 2 d y' + 4 y = e x^2,  as a reduced
+    model of both.
+    """
+    powers = np.array([*np.eye(4, dtype=int), [1, 1, 0, 0], [2, 0, 0, 0]])
+    drift = np.zeros((4, 6))
+    drift[:2, 2:4], drift[2:, :2] = np.eye(2), -np.diag([1.0, 4.0])
+    drift[2:, 2:4], drift[2, 4], drift[3, 5] = -2.0 * damping * np.eye(2), 2.0 * coupling, coupling
+    linear, reach = np.eye(4, dtype=int), np.array([3.0, 1.5, 3.0, 3.0])
+    rom = PolynomialRom(reach, np.eye(2), np.ones(4), np.eye(4), linear, drift, powers, np.eye(2))
+    return Reduced(rom, np.array([1.0, 0.0]), np.arange(2), 1.0, Integrator())
+
+
 DUFFING = {
     "mass": np.eye(1),
     "stiffness": np.eye(1),
