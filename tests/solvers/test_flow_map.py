@@ -1,4 +1,4 @@
-"""The map of reduced models: half a period of odd ones, and multipliers of a saddle."""
+"""The map of reduced models: half a period of odd ones, kinks, and multipliers of a saddle."""
 
 from dataclasses import replace
 
@@ -6,9 +6,14 @@ import numpy as np
 import periodic_systems as systems
 import pytest
 from periodic_beam import periodic
+from scipy.integrate import solve_ivp
 
+from vibrom.latent.polynomial_kernel import polynomial_kernel
+from vibrom.latent.table_kernel import tabulated
+from vibrom.solvers.periodic import kinks
 from vibrom.solvers.periodic.equations import from_rest
 from vibrom.solvers.periodic.flow_map import odd
+from vibrom.solvers.reduced.field import VectorField
 
 
 @pytest.mark.parametrize("compiled", [True, False])
@@ -45,6 +50,49 @@ def test_a_model_that_is_not_odd_takes_whole_periods():
     assert odd(drift, force, reach)
     assert not odd(drift, lambda z: force(z) + 1e-3 * z, reach)
     assert not odd(lambda z: drift(z) + 1e-3 * z**2, force, reach)
+
+
+def test_kinks_are_found_with_the_fourth_power_of_the_step():
+    """Of z = 1.25 sin(2 pi s), which passes 1 and -1 where sin is 0.8 and -0.8."""
+    first = np.arcsin(0.8) / (2.0 * np.pi)
+    exact = np.array([first, 0.5 - first, 0.5 + first, 1.0 - first])
+    for number in (13, 26, 52):
+        at = np.arange(number + 1) / number
+        angle = 2.0 * np.pi * at[:, None]
+        found = kinks.passed(1.25 * np.sin(angle), 2.5 * np.pi * np.cos(angle), at)
+        # h^4/384 max |d4z| is the error of Hermite's cubic; its slope there is 1.5 pi.
+        bound = 1.25 * (2.0 * np.pi) ** 4 / 384.0 / (1.5 * np.pi) / number**4
+        np.testing.assert_allclose(found, exact, atol=1.2 * bound)
+    assert not kinks.moved(exact, found) and kinks.moved(exact, found[1:])
+    at = kinks.between(10, exact)
+    assert at[0] == 0.0 and at[-1] == 1.0 and (np.diff(at) > 0.0).all() and len(at) < 24
+    short = at[np.searchsorted(at, exact)] - at[np.searchsorted(at, exact) - 1]
+    np.testing.assert_allclose(short, 2.0 * kinks.HALF)
+
+
+def test_a_kink_of_the_force_costs_no_accuracy():
+    """x'' + c x' + x + x^3 = b(x) a sin(Omega t), b = 1 - x/2 between -1 and 1, constant beyond:
+    against SciPy in very short steps, and Liouville's product of the multipliers, exp(-c T). A step
+    over a kink would leave some h^2, 1e-3 with so few, and as much of a multiplier.
+    """
+    damping, frequency, amplitude = 0.1, 1.4, 2.5
+    model = systems.nonlinearly_damped(damping, 0.0, 0.0, 1.0, 2.0)
+    powers, load = np.array([[0, 0], [1, 0]]), np.array([[0.0, 0.0], [1.0, -0.5]])
+    force = tabulated(polynomial_kernel(np.ones(2), powers, load), 1.0)
+    field = VectorField(model.rom.field(model.load).drift, force, np.array([1.0]))
+    flow = replace(model.return_map(), field=field, parts=1)
+    x, period = np.array([0.2, 0.1]), 2.0 * np.pi / frequency
+
+    def slope(t, y):
+        push = (1.0 - 0.5 * np.clip(y[0], -1.0, 1.0)) * amplitude * np.sin(frequency * t)
+        return [y[1], push - y[0] - y[0] ** 3 - damping * y[1]]
+
+    given = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12, "max_step": period / 4000}
+    exact = solve_ivp(slope, (0.0, period), x * flow.reach, **given).y[:, -1]
+    found = flow(x, frequency, amplitude)
+    assert len(flow.steps.kinks) >= 2 and flow.steps.number <= 64
+    np.testing.assert_allclose(found.end * flow.reach, exact, atol=2e-6)
+    assert np.prod(found.multipliers).real == pytest.approx(np.exp(-damping * period), rel=1e-3)
 
 
 def test_multipliers_of_a_saddle_that_motions_leave_by_a_factor_of_a_thousand():

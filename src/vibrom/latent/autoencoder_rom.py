@@ -191,7 +191,7 @@ class AutoencoderRom(Rom):
             # Beyond its edge a tangent is the same everywhere.
             constant = self.force_rule != "encoder" and np.isfinite(self._edge[0])
             force = tabulated(force, self.reach[0] * (1.0 if constant else LIMIT))
-        return VectorField(drift, force)
+        return VectorField(drift, force, self._edge if np.isfinite(self._edge).all() else None)
 
     def encoded(self, training: Training) -> np.ndarray:
         """Positions z, dz/dtau and d2z/dtau2 (3, samples, d) of all training data."""

@@ -23,7 +23,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vibrom.solvers.periodic import flow_steps
+from vibrom.solvers.periodic import flow_steps, kinks
 from vibrom.solvers.periodic.maps import Return, Swing
 from vibrom.solvers.reduced.field import VectorField
 
@@ -46,6 +46,7 @@ class _Steps:
 
     number: int = FEWEST
     slope: float = 1.0
+    kinks: np.ndarray = field(default_factory=lambda: np.empty(0))  # where it passes them
 
 
 @dataclass(frozen=True)
@@ -194,16 +195,59 @@ class FlowMap:
             return flow_steps.plain(self.drift, self.force, self.reach, self.parts)
         return flow_steps.compiled(self.field, self.reach, self.parts)
 
+    @cached_property
+    def _kink(self) -> np.ndarray | None:
+        """(d,) in units of the range; None: the field is smooth."""
+        kink = None if self.field is None else self.field.kink
+        return None if kink is None else kink / self.reach[: len(kink)]
+
+    def _passed(self, points: np.ndarray, path: np.ndarray, grid: flow_steps.Grid) -> bool:
+        """Where the first of points (b, r + 2) passed kinks on its path (n + 1, r), if velocities
+        follow the positions in z: is it elsewhere than remembered? Only then it is what is.
+        """
+        d = len(self._kink)
+        whole = 2.0 * np.pi / points[0, self.size] / self.parts
+        scale = whole * self.reach[d : 2 * d] / self.reach[:d]
+        position, rate = path[:, :d] / self._kink, scale * path[:, d : 2 * d] / self._kink
+        found = kinks.passed(position, rate, grid.at)
+        moved = kinks.moved(self.steps.kinks, found)
+        if moved:
+            self.steps.kinks = found
+        return moved
+
+    def _run_near(self, points: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray, float]:
+        """Of neighbours of one motion, in so many steps, of which some begin at kinks."""
+        if self._kink is None:
+            return self._run(points, flow_steps.even(number, self.parts), 1, True)
+        for again in (True, False):
+            grid = flow_steps.even(number, self.parts)
+            if len(self.steps.kinks):
+                at = kinks.between(number, self.steps.kinks)
+                grid = flow_steps.uneven(at, self.parts)
+            end, path, error = self._run(points, grid, len(grid.lengths), True)
+            if not error < np.inf:
+                break
+            moved = self._passed(points, np.concatenate([path[0], end[:1]]), grid)
+            if error < TOLERANCE or not (moved and again):
+                break
+        return end, path, error
+
     def _periods(self, points: np.ndarray, kept: int = 1) -> tuple[np.ndarray, np.ndarray]:
         """(H (b, r), samples (b, kept, r) of a period from the start on), in units of the range, of
         points (b, r + 2): x, frequency and amplitude.
         """
         each = -(-kept // self.parts)
+
+        def run(number: int) -> tuple[np.ndarray, np.ndarray, float]:
+            if kept == 1:
+                return self._run_near(points, number)
+            return self._run(points, flow_steps.even(number, self.parts), each, False)
+
         number = -(-self.steps.number // each) * each
-        end, path, error = self._run(points, number, each)
+        end, path, error = run(number)
         while not error < TOLERANCE and number < MOST:
             number = -(-_enough(number, error) // each) * each
-            end, path, error = self._run(points, number, each)
+            end, path, error = run(number)
         if self.parts == 2:
             end, path = -end, np.concatenate([path, -path], axis=1)
         if not error < LOOSE:

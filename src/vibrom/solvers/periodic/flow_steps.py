@@ -23,14 +23,36 @@ from vibrom.solvers.reduced.field import KERNEL, MAP, VectorField
 
 Function = Callable[[np.ndarray], np.ndarray]  # (b, r) of z (b, r)
 # Ends (b, r), samples (b, kept, r) and the largest error of a step, in units of the range, of
-# points (b, r + 2), x, frequency and amplitude, in so many steps, of which so many are kept. They
-# go over a period, or one of its equal `parts`.
-Run = Callable[[np.ndarray, int, int], tuple[np.ndarray, np.ndarray, float]]
+# points (b, r + 2), x, frequency and amplitude, in these steps, of whose beginnings so many are
+# kept. They go over a period, or one of its equal `parts`. Where points are neighbours of one
+# motion, it is lost with the first that leaves the range: an infinite error.
+Run = Callable[[np.ndarray, "Grid", int, bool], tuple[np.ndarray, np.ndarray, float]]
 
 STAGES = order_8.STAGES
 _A, _B = np.ascontiguousarray(order_8.A[:STAGES, :STAGES]), order_8.A[STAGES, :STAGES].copy()
 _C, _E3, _E5 = (part[:STAGES].copy() for part in (order_8.C, order_8.E3, order_8.E5))
 _LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
+
+
+class Grid(NamedTuple):
+    """Steps over a period, or over one of its parts."""
+
+    at: np.ndarray  # (n + 1,) where they begin, from zero to one
+    lengths: np.ndarray  # (n,)
+    waves: np.ndarray  # (n, STAGES) the signal at their stages
+
+
+@lru_cache(maxsize=64)
+def even(number: int, parts: int) -> Grid:
+    """All of one length."""
+    return uneven(np.arange(number + 1) / number, parts)
+
+
+def uneven(at: np.ndarray, parts: int) -> Grid:
+    """That begin at (n + 1,)."""
+    lengths = np.diff(at)
+    angle = 2.0 * np.pi / parts * (at[:-1, None] + lengths[:, None] * _C)
+    return Grid(at, lengths, np.sin(angle))
 
 
 def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
@@ -40,7 +62,9 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
     work = np.empty(WIDTH * max(each.rows for each in maps))
     tables = Tables(*(table for each in maps for table in (each.numbers, each.index)), work)
 
-    def run(points: np.ndarray, number: int, kept: int) -> tuple[np.ndarray, np.ndarray, float]:
+    def run(
+        points: np.ndarray, grid: Grid, kept: int, near: bool
+    ) -> tuple[np.ndarray, np.ndarray, float]:
         runs = len(points)
         groups = -(-runs // WIDTH)
         filled = np.empty((groups * WIDTH, r + 2))
@@ -49,7 +73,7 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
         filled[:, r] *= parts  # as one of them takes so much less time
         lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
         path = np.empty((groups * kept, r, WIDTH))
-        worst = _flow(*addresses, tables, reach, _waves(number, parts), lanes, path)
+        worst = _flow(*addresses, tables, reach, grid.lengths, grid.waves, lanes, path, int(near))
         # (groups, ..., r, WIDTH) -> (runs, ..., r)
         ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
         if kept == 1:
@@ -63,35 +87,32 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
 def plain(drift: Function, force: Function, reach: np.ndarray, parts: int = 1) -> Run:
     """Of numpy functions."""
 
-    def run(points: np.ndarray, number: int, kept: int) -> tuple[np.ndarray, np.ndarray, float]:
-        r = len(reach)
+    def run(
+        points: np.ndarray, grid: Grid, kept: int, near: bool
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        r, number = len(reach), len(grid.lengths)
         frequency, amplitude = points[:, r], points[:, r + 1]
-        z, h = points[:, :r] * reach, (2.0 * np.pi / frequency / number / parts)[:, None]
+        z, whole = points[:, :r] * reach, (2.0 * np.pi / frequency / parts)[:, None]
         path, worst = np.empty((len(z), kept, r)), 0.0
         slopes = np.empty((STAGES, *z.shape))
         for step in range(number):
             if step % (number // kept) == 0:
                 path[:, step // (number // kept)] = z / reach
+            h = whole * grid.lengths[step]
             for s in range(STAGES):
                 y = z + h * np.tensordot(_A[s, :s], slopes[:s], 1)
-                signal = amplitude * _waves(number, parts)[step, s]
+                signal = amplitude * grid.waves[step, s]
                 slopes[s] = drift(y) + force(y) * signal[:, None]
             z = z + h * np.tensordot(_B, slopes, 1)
             five, three = ((h * np.tensordot(e, slopes, 1) / reach) ** 2 for e in (_E5, _E3))
             error = np.where(five == 0.0, 0.0, five / np.sqrt(five + 0.01 * three))
             worst = max(worst, float(np.nan_to_num(error, nan=np.inf).max()))
-            if kept == 1 and not np.abs(z / reach).max() < _LIMIT:
+            if near and not np.abs(z / reach).max() < _LIMIT:
                 return z, path, np.inf
         return z / reach, path, worst
 
     # A model that blows up is a result, not a warning.
     return np.errstate(all="ignore")(run)
-
-
-@lru_cache(maxsize=64)
-def _waves(number: int, parts: int) -> np.ndarray:
-    """(number, STAGES) of the signal, at the stages of so many steps."""
-    return np.sin(2.0 * np.pi * (np.arange(number)[:, None] + _C) / (number * parts))
 
 
 class Tables(NamedTuple):
@@ -127,16 +148,16 @@ def _worst(five, three, reach, worst):
 
 
 @part
-def _period(drift, force, tables, reach, waves, lanes, path, scratch):
+def _period(drift, force, tables, reach, lengths, waves, lanes, path, scratch, near):
     """One group; `scratch` ((STAGES + 2) r + 1, WIDTH)."""
     r, kept, number, worst = len(reach), len(path), len(waves), 0.0
     z, drive = lanes[:r], lanes[r:]
     h, y, push = scratch[:1], scratch[1 : 1 + r], scratch[1 + r : 1 + 2 * r]
     slopes = scratch[1 + 2 * r :]
     for w in range(WIDTH):
-        h[0, w] = 2.0 * np.pi / drive[0, w] / number
-    length = get(h, 0, WIDTH)
+        h[0, w] = 2.0 * np.pi / drive[0, w]
     for step in range(number):
+        length = get(h, 0, WIDTH) * lengths[step]
         if step % (number // kept) == 0:
             shown = path[step // (number // kept)]
             for i in range(r):
@@ -157,27 +178,30 @@ def _period(drift, force, tables, reach, waves, lanes, path, scratch):
         worst = _worst(y, push, reach, worst)
         for i in range(r):
             for w in range(WIDTH):
-                if kept == 1 and not abs(z[i, w]) < _LIMIT * reach[i]:
+                if near and not abs(z[i, w]) < _LIMIT * reach[i]:
                     return np.inf
     return worst
 
 
-def _loop(drift_at, force_at, tables, reach, waves, lanes, path):
+def _loop(drift_at, force_at, tables, reach, lengths, waves, lanes, path, near):
     """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
-    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH); `waves` (number, STAGES)
-    are the signal at the stages. The largest error of a step, of the range.
+    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH); see `Grid`. The largest
+    error of a step, of the range.
     """
     drift, force = _map(drift_at), _map(force_at)
     worst, kept = 0.0, len(path) // len(lanes)
     scratch = room((STAGES + 2) * len(reach) + 1, WIDTH)
     for group in range(len(lanes)):
         samples = path[group * kept : (group + 1) * kept]
-        error = _period(drift, force, tables, reach, waves, lanes[group], samples, scratch)
+        error = _period(
+            drift, force, tables, reach, lengths, waves, lanes[group], samples, scratch, near
+        )
         worst = error if not error <= worst else worst
     return worst
 
 
 _map = kernel_at(MAP)
 with passing_kernels():
-    _records = (machine_type(item) for item in (int, int, Tables, Vector, Rows, Blocks, Blocks))
+    _kinds = (int, int, Tables, Vector, Vector, Rows, Blocks, Blocks, int)
+    _records = (machine_type(item) for item in _kinds)
     _flow = kernel(types.float64(*_records), fastmath={"contract"})(_loop)

@@ -38,6 +38,7 @@ class VectorField:
 
     drift: Kernel
     force: Kernel | None = None  # None: the model is left alone
+    kink: np.ndarray | None = None  # (d,) size of each position at which neither side is smooth
 
     def tables(self) -> "Tables":
         """What the compiled loop takes beside the two functions."""
