@@ -234,9 +234,9 @@ def test_a_branch_ends_where_disturbances_grow_too_much_in_a_period():
     assert len(above) > 3
 
 
-def test_a_snap_through_is_followed_past_motions_that_are_left_eight_hundredfold():
+def test_a_snap_through_is_followed_past_motions_that_are_left_five_hundredfold():
     """Nine folds from small motions in one well to small motions in the other one, at x = -2."""
-    damping, frequency, top = 0.3, 0.5, 0.7
+    damping, frequency, top = 0.5, 0.45, 0.8
     flow = systems.in_a_well(damping).return_map()
     span, pace = Span(0.02 * top, top, 400, 1e-3), Pace(0.5 * top, turn=0.2, newton=True)
     found = response(in_amplitude(flow, frequency), span, pace)
@@ -257,7 +257,7 @@ def test_a_snap_through_is_followed_past_motions_that_are_left_eight_hundredfold
     start = [*flow.state(worst.orbit.point.x), 1, 0, 0, 1]
     end = solve_ivp(slope, (0, 2 * np.pi / frequency), start, rtol=1e-11, atol=1e-13).y[2:, -1]
     exact = np.abs(np.linalg.eigvals(end.reshape(2, 2).T)).max()
-    assert exact > 8e2
+    assert exact > 4e2
     assert largest.max() == pytest.approx(exact, rel=1e-3)
 
 

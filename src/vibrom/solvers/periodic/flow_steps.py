@@ -37,9 +37,9 @@ _LIMIT = 4.0  # of the range: a motion that ends a step beyond it is lost
 class Grid(NamedTuple):
     """Steps over a period, or over one of its parts."""
 
-    at: np.ndarray  # (n + 1,) where they begin, from zero to one
-    lengths: np.ndarray  # (n,)
-    waves: np.ndarray  # (n, STAGES) the signal at their stages
+    at: Vector  # (n + 1,) where they begin, from zero to one
+    lengths: Vector  # (n,)
+    waves: Rows  # (n, STAGES) the signal at their stages
 
 
 @lru_cache(maxsize=64)
@@ -60,6 +60,7 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
     r, maps = len(reach), (field.drift, field.force)
     addresses = [address_of(each.function, KERNEL) for each in maps]
     work = np.empty(WIDTH * max(each.rows for each in maps))
+    bounds = [np.stack([reach, limit * reach]) for limit in (np.nan, _LIMIT)]
     tables = Tables(*(table for each in maps for table in (each.numbers, each.index)), work)
 
     def run(
@@ -73,7 +74,7 @@ def compiled(field: VectorField, reach: np.ndarray, parts: int = 1) -> Run:
         filled[:, r] *= parts  # as one of them takes so much less time
         lanes = np.ascontiguousarray(filled.reshape(groups, WIDTH, r + 2).transpose(0, 2, 1))
         path = np.empty((groups * kept, r, WIDTH))
-        worst = _flow(*addresses, tables, reach, grid.lengths, grid.waves, lanes, path, int(near))
+        worst = _flow(*addresses, tables, bounds[int(near)], grid, lanes, path)
         # (groups, ..., r, WIDTH) -> (runs, ..., r)
         ends = lanes[:, :r].transpose(0, 2, 1).reshape(-1, r)[:runs] / reach
         if kept == 1:
@@ -148,16 +149,16 @@ def _worst(five, three, reach, worst):
 
 
 @part
-def _period(drift, force, tables, reach, lengths, waves, lanes, path, scratch, near):
+def _period(drift, force, tables, bounds, grid, lanes, path, scratch):
     """One group; `scratch` ((STAGES + 2) r + 1, WIDTH)."""
-    r, kept, number, worst = len(reach), len(path), len(waves), 0.0
+    r, kept, number, worst = len(lanes) - 2, len(path), len(grid.lengths), 0.0
     z, drive = lanes[:r], lanes[r:]
     h, y, push = scratch[:1], scratch[1 : 1 + r], scratch[1 + r : 1 + 2 * r]
     slopes = scratch[1 + 2 * r :]
     for w in range(WIDTH):
         h[0, w] = 2.0 * np.pi / drive[0, w]
     for step in range(number):
-        length = get(h, 0, WIDTH) * lengths[step]
+        length = get(h, 0, WIDTH) * grid.lengths[step]
         if step % (number // kept) == 0:
             shown = path[step // (number // kept)]
             for i in range(r):
@@ -168,40 +169,39 @@ def _period(drift, force, tables, reach, lengths, waves, lanes, path, scratch, n
             out = slopes[s * r : (s + 1) * r]
             drift(y, tables.drift_numbers, tables.drift_index, tables.work, out)
             force(y, tables.force_numbers, tables.force_index, tables.work, push)
-            signal = get(drive, 1, WIDTH) * waves[step, s]
+            signal = get(drive, 1, WIDTH) * grid.waves[step, s]
             for i in range(r):
                 put(out, i, get(out, i, WIDTH) + signal * get(push, i, WIDTH))
         for i in range(r):
             put(z, i, get(z, i, WIDTH) + length * _weighted(slopes, _B, i, r, STAGES))
             put(y, i, length * _weighted(slopes, _E5, i, r, STAGES))
             put(push, i, length * _weighted(slopes, _E3, i, r, STAGES))
-        worst = _worst(y, push, reach, worst)
+        worst = _worst(y, push, bounds[0], worst)
         for i in range(r):
             for w in range(WIDTH):
-                if near and not abs(z[i, w]) < _LIMIT * reach[i]:
+                if abs(z[i, w]) >= bounds[1, i]:
                     return np.inf
     return worst
 
 
-def _loop(drift_at, force_at, tables, reach, lengths, waves, lanes, path, near):
+def _loop(drift_at, force_at, tables, bounds, grid, lanes, path):
     """Carries z of each group of `lanes` (groups, r + 2, WIDTH), below which stand frequency and
-    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH); see `Grid`. The largest
-    error of a step, of the range.
+    amplitude, over a period, and fills `path` (groups * kept, r, WIDTH); see `Grid`. `bounds`
+    (2, r) are the range and where a motion is lost; NaN: nowhere. The largest error of a step, of
+    the range.
     """
     drift, force = _map(drift_at), _map(force_at)
     worst, kept = 0.0, len(path) // len(lanes)
-    scratch = room((STAGES + 2) * len(reach) + 1, WIDTH)
+    scratch = room((STAGES + 2) * bounds.shape[1] + 1, WIDTH)
     for group in range(len(lanes)):
         samples = path[group * kept : (group + 1) * kept]
-        error = _period(
-            drift, force, tables, reach, lengths, waves, lanes[group], samples, scratch, near
-        )
+        error = _period(drift, force, tables, bounds, grid, lanes[group], samples, scratch)
         worst = error if not error <= worst else worst
     return worst
 
 
 _map = kernel_at(MAP)
 with passing_kernels():
-    _kinds = (int, int, Tables, Vector, Vector, Rows, Blocks, Blocks, int)
+    _kinds = (int, int, Tables, Rows, Grid, Blocks, Blocks)
     _records = (machine_type(item) for item in _kinds)
     _flow = kernel(types.float64(*_records), fastmath={"contract"})(_loop)
