@@ -35,16 +35,15 @@ class Material:
             np.concatenate([getattr(part, name) for part in (*linear, *squares)])
             for name in ("row", "col")
         )
-        keys, place = np.unique(columns * np.int64(self.n) + rows, return_inverse=True)
-        self.row, self.column = keys % self.n, keys // self.n
+        self.row, self.column, place = _places(rows, columns)
         self.half = int((self.row - self.column).max())
         ends = np.cumsum([len(part.row) for part in (*linear, *squares)])[:-1]
         places = np.split(place, ends)
         self.linear = [
-            np.bincount(where, part.data, len(keys)) for where, part in zip(places, linear)
+            np.bincount(where, part.data, len(self.row)) for where, part in zip(places, linear)
         ]
         self.parts = [
-            (part, part.spread(where, len(keys)))
+            (part, part.spread(where, len(self.row)))
             for where, part in zip(places[len(linear) :], squares)
         ]
 
@@ -53,7 +52,7 @@ class Material:
         mass, *stiffness = self.linear
         found = np.tile(scale * mass + sum(stiffness), (len(q), 1))
         for part, spread in self.parts:
-            found += (spread @ part.moduli(q)).T
+            found += (spread @ np.stack([part.moduli(one) for one in q], axis=1)).T
         return found
 
     def solve(self, q: np.ndarray, r: np.ndarray, scale: float) -> np.ndarray:
@@ -107,29 +106,40 @@ class _Square:
         place[self.triangle] = place.T[self.triangle] = np.arange(k * (k + 1) // 2)
         self.between = place[component[left], component[right]] * points + point[left]
         self.count = k * (k + 1) // 2 * points
-        self.undeformed = self._moduli(np.zeros((1, local.shape[1])))
+        self.undeformed = self._moduli(np.zeros(local.shape[1]))
 
     def spread(self, place: np.ndarray, size: int) -> csr_matrix:
         """(size, c): what stands between goes to these places (l,) of the entries."""
         return csr_matrix((self.value, (place, self.between)), shape=(size, self.count))
 
     def moduli(self, q: np.ndarray) -> np.ndarray:
-        """w (J' D J - L' D L) of all points (c, m), of displacements (m, n); c counts the lower
+        """w (J' D J - L' D L) of all points (c,) of a displacement (n,); c counts the lower
         triangles, point by point.
         """
         return self._moduli(q) - self.undeformed
 
     def _moduli(self, q: np.ndarray) -> np.ndarray:
-        part, points = self.potential, len(self.potential.weight)
+        part = self.potential
         m, k = part.linear.shape
-        y = (part.local @ q.T).reshape(k, -1)
+        y = (part.local @ q).reshape(k, -1)
         slope = 2.0 * part.square.transpose(0, 2, 1).reshape(-1, k) @ y + part.linear.reshape(-1, 1)
-        stress = (part.moduli @ slope.reshape(m, -1)).reshape(m, k, points, -1)
-        slope = slope.reshape(m, k, points, -1) * part.weight[:, None]
-        found = [
-            np.einsum("mps,mps->ps", slope[:, i], stress[:, j]) for i, j in zip(*self.triangle)
-        ]
+        slope = slope.reshape(m, k, -1)
+        stress = (part.moduli @ slope.reshape(m, -1)).reshape(m, k, -1) * part.weight
+        found = [np.einsum("mp,mp->p", slope[:, i], stress[:, j]) for i, j in zip(*self.triangle)]
         return np.concatenate(found)
+
+
+def _places(row: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Row and column of each entry of a lower triangle, once; which of them each given one is."""
+    width = int((row - column).max()) + 1
+    slots = column * np.int64(width) + (row - column)
+    if width > WIDEST:
+        slots, place = np.unique(slots, return_inverse=True)
+    else:  # as many as a band has, and sorting takes longer than looking at all of them
+        there = np.bincount(slots) > 0
+        place = (np.cumsum(there) - 1)[slots]
+        slots = np.flatnonzero(there)
+    return slots // width + slots % width, slots // width, place
 
 
 def _pairs(point: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:

@@ -172,7 +172,7 @@ class _Series:
             self.r[held, target] = rates
             lower = lower + rates @ self.masters.shapes[held]
         else:
-            w = self.pencil.solve(s, f)
+            (w,) = self.pencil.solve(s, f[None])
         self.w[target], self.v[target] = w, s * w + lower
 
     def _complete(self, targets: np.ndarray) -> None:

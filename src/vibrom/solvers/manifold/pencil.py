@@ -86,17 +86,13 @@ class Pencil:
         ]
         return places, np.array(values)
 
-    def factor(self, s: complex, shift: tuple[np.ndarray, float] | None = None):
-        """Solves with A(s), plus a number at some diagonal entries, for right sides (k, n)."""
+    def solve(
+        self, s: complex, f: np.ndarray, shift: tuple[np.ndarray, float] | None = None
+    ) -> np.ndarray:
+        """A(s)^-1 f (k, n); with a shift, A plus a number at some diagonal entries."""
         places, number = shift or (np.zeros(0, int), 0.0)
         if self.half <= WIDEST:
-            half, (slots, (mass, damping, stiffness)) = self.half, self._entries
-            band = np.zeros(self.size * (3 * half + 1), complex)
-            band[slots] = s * s * mass + s * damping + stiffness
-            band = band.reshape(self.size, -1)
-            band[places, 2 * half] += number
-            factors, pivots, _ = zgbtrf(band.T, half, half, overwrite_ab=1)
-            return lambda f: zgbtrs(factors, half, half, f.T, pivots)[0].T
+            return self._solve_band(s, f, places, number)
         added = np.zeros(self.size)
         added[places] = number
         matrix = csc_matrix(self.at(s) + diags(added), dtype=complex)
@@ -104,12 +100,18 @@ class Pencil:
             "permc_spec": "MMD_AT_PLUS_A",
             "options": {"SymmetricMode": True, "DiagPivotThresh": PIVOT},
         }
-        factors = splu(matrix, **(symmetric if self.symmetric else {}))
-        return lambda f: factors.solve(f.T).T
+        return splu(matrix, **(symmetric if self.symmetric else {})).solve(f.T).T
 
-    def solve(self, s: complex, f: np.ndarray) -> np.ndarray:
-        """A(s)^-1 f (n,)."""
-        return self.factor(s)(f[None])[0]
+    def _solve_band(
+        self, s: complex, f: np.ndarray, places: np.ndarray, number: float
+    ) -> np.ndarray:
+        half, (slots, (mass, damping, stiffness)) = self.half, self._entries
+        band = np.zeros(self.size * (3 * half + 1), complex)
+        band[slots] = s * s * mass + s * damping + stiffness
+        band = band.reshape(self.size, -1)
+        band[places, 2 * half] += number
+        factors, pivots, _ = zgbtrf(band.T, half, half, overwrite_ab=True)
+        return zgbtrs(factors, half, half, f.T, pivots)[0].T
 
     def solve_bordered(
         self, s: complex, f: np.ndarray, g: np.ndarray, border: Border
@@ -118,10 +120,8 @@ class Pencil:
         m, x = len(border.pinned), self._stiffest
         ends = np.zeros((m, self.size))
         ends[range(m), border.pinned] = x
-        solve = self.factor(s, (border.pinned, x))
-        plain, raised, columns = np.split(
-            solve(np.concatenate([f, ends, border.columns])), [len(f), len(f) + m]
-        )
+        solved = self.solve(s, np.concatenate([f, ends, border.columns]), (border.pinned, x))
+        plain, raised, columns = np.split(solved, [len(f), len(f) + m])
         # w = plain + raised t - columns r, with t = E w
         unknowns = np.concatenate([raised, -columns])
         small = np.hstack([unknowns[:, border.pinned], unknowns @ border.rows.T])
