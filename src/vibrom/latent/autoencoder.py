@@ -73,12 +73,12 @@ def forward(y: Stack, weights: Weights, activation: str) -> tuple[Stack, Tape]:
     tape = []
     for weight in weights[:-1]:
         a = y @ weight.T
-        value, first, *higher = ACTIVATIONS[activation](a[0], len(a))
-        out = torch.empty_like(a)
-        out[0] = value
-        bend = curl = None
-        if len(a) == 3:
+        value, first, *higher = ACTIVATIONS[activation](a[0], len(y))
+        out, bend, curl = value[None], None, None
+        if higher:
             second, third = higher
+            out = torch.empty_like(a)
+            out[0] = value
             bend = second * a[1]
             torch.mul(a[1:], first, out=out[1:])
             out[2].addcmul_(bend, a[1])
