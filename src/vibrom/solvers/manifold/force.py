@@ -13,6 +13,7 @@ so that each degree costs products of two factors and needs only coefficients of
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from copy import copy
 
 import numpy as np
@@ -20,6 +21,7 @@ from scipy.sparse import csr_matrix
 
 from vibrom.solvers.manifold.monomials import Monomials
 from vibrom.solvers.manifold.products import Schedule, entries, multiply
+from vibrom.solvers.threads import mapped, worth
 from vibrom.term import Quartic, SceneError, Term
 
 
@@ -51,8 +53,8 @@ class ForceSeries:
         self.points, self.strains, self.components = points, m, k
         self.transposed = potential.local.T.tocsr()
         kept = int(monomials.kept.sum())
-        self.stress = np.zeros(0)
         self.y, self.s = np.zeros((kept, k, 2, points)), np.zeros((kept, m, 2, points))
+        self.stress = np.zeros_like(self.s)  # of degree 1
         still = (potential.local @ rest).reshape(k, points)
         twice = 2.0 * np.einsum("oij,ip->ojp", potential.square, still)
         self.linear = potential.linear[:, :, None] + twice  # L_0 (m, k, points)
@@ -61,20 +63,52 @@ class ForceSeries:
 
     def next(self, pairs: Schedule) -> np.ndarray:
         """f_a (targets, n) complex of the scheduled degree; keeps D e_a for `complete`."""
-        targets = len(pairs.begin) - 1
-        strain = np.zeros((targets, self.strains, 2, self.points))
-        multiply(self.y, self.y, pairs, self.strain, strain)
-        self.stress = np.einsum("lm,tmcp->tlcp", self.potential.moduli, strain)
-        force = np.einsum("mkp,tmcp->tkcp", self.linear, self.stress)
+        self.stress = np.zeros((len(pairs.begin) - 1, self.strains, 2, self.points))
+        multiply(self.y, self.y, pairs, self.strain, self.stress)
+        force = self.answered(self.stress)
         multiply(self.y, self.s, pairs, self.turned, force)
         return self.assembled(force)
+
+    def answered(self, strain: np.ndarray) -> np.ndarray:
+        """L_0' D e (targets, k, 2, points) of strains e (targets, m, 2, points), which become the
+        stresses D e.
+        """
+        force = np.empty((len(strain), self.components, 2, self.points))
+
+        def one(e: np.ndarray, f: np.ndarray) -> None:
+            e[:] = np.tensordot(self.potential.moduli, e, 1)
+            np.einsum("mkp,mcp->kcp", self.linear, e, out=f)
+
+        self._each(one, strain, force)
+        return force
 
     def assembled(self, force: np.ndarray) -> np.ndarray:
         """B' w f (targets, n) complex of what acts at the points (targets, k, 2, points)."""
         found = np.empty((len(force), self.transposed.shape[0]), complex)
-        for part, into in zip(force * self.potential.weight, found):
-            into.real, into.imag = (self.transposed @ part[:, c].ravel() for c in range(2))
+
+        def one(f: np.ndarray, into: np.ndarray) -> None:
+            f *= self.potential.weight
+            into.real, into.imag = (self.transposed @ f[:, c].ravel() for c in range(2))
+
+        self._each(one, force, found)
         return found
+
+    def elastic(self, values: np.ndarray, stress: np.ndarray, y: np.ndarray, s: np.ndarray) -> None:
+        """Of coefficients x (targets, n) complex:  y <- B x (targets, k, 2, points) and
+        s <- D L_0 y + `stress` (targets, m, 2, points).
+        """
+
+        def one(x: np.ndarray, more: np.ndarray, y: np.ndarray, s: np.ndarray) -> None:
+            for c, part in enumerate((x.real, x.imag)):
+                y[:, c] = (self.potential.local @ part).reshape(len(y), -1)
+            strain = np.einsum("mkp,kcp->mcp", self.linear, y)
+            np.add(np.tensordot(self.potential.moduli, strain, 1), more, out=s)
+
+        self._each(one, values, stress, y, s)
+
+    def _each(self, function: Callable[..., None], *targets: np.ndarray) -> None:
+        """Calls the function with what belongs to each target."""
+        mapped(lambda some: function(*some), zip(*targets), worth(self.points))
 
     def changed(self, matrix: csr_matrix) -> ForceSeries:
         """The series in other coordinates; `matrix` makes their kept coefficients of these, each of
@@ -93,21 +127,9 @@ class ForceSeries:
         found.y, found.s = self.y[:kept], self.s[:kept]
         return found
 
-    def local(self, values: np.ndarray) -> np.ndarray:
-        """B x (targets, k, 2, points) of coefficients x (targets, n) complex."""
-        found = np.empty((len(values), self.components, 2, self.points))
-        for part, into in zip(values, found):
-            for c, x in enumerate((part.real, part.imag)):
-                into[:, c] = (self.potential.local @ x).reshape(into[:, c].shape)
-        return found
-
     def complete(self, places: np.ndarray, displacement: np.ndarray) -> None:
         """Takes the coefficients W_a (targets, n) of the degree whose force was computed last, at
         consecutive places.
         """
         here = slice(places[0], places[-1] + 1)
-        self.y[here] = self.local(displacement)
-        strain = np.einsum("mkp,tkcp->tmcp", self.linear, self.y[here])
-        np.einsum("lm,tmcp->tlcp", self.potential.moduli, strain, out=self.s[here])
-        if self.stress.size:
-            self.s[here] += self.stress
+        self.elastic(displacement, self.stress, self.y[here], self.s[here])

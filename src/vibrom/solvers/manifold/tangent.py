@@ -99,18 +99,14 @@ class TangentSeries:
         plan, turned = (
             Schedule(degree.begin, *factors) for factors in ((*known, *own), (*own, *known))
         )
-        strain = np.zeros((count, force.strains, 2, force.points))
-        multiply(force.y, self.d, plan, self.stretch, strain)
-        self.stress = np.einsum("lm,tmcp->tlcp", force.potential.moduli, strain)
-        total = np.einsum("mkp,tmcp->tkcp", force.linear, self.stress)
+        self.stress = np.zeros((count, force.strains, 2, force.points))
+        multiply(force.y, self.d, plan, self.stretch, self.stress)
+        total = force.answered(self.stress)
         multiply(self.d, force.s, turned, force.turned, total)
         multiply(force.y, self.t, plan, force.turned, total)
         return force.assembled(total)
 
     def complete(self, degree: Degree, values: np.ndarray) -> None:
         """Takes the coefficients x_a (t, n) of the degree whose products were taken last."""
-        force, here = self.force, degree.range
-        self.d[here] = force.local(values)
-        strain = np.einsum("mkp,tkcp->tmcp", force.linear, self.d[here])
-        np.einsum("lm,tmcp->tlcp", force.potential.moduli, strain, out=self.t[here])
-        self.t[here] += self.stress
+        here = degree.range
+        self.force.elastic(values, self.stress, self.d[here], self.t[here])
