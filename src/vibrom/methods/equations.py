@@ -22,6 +22,7 @@ from functools import partial
 from typing import ClassVar, Literal
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from vibrom.config.kinds import Count, Fraction, Order, Tolerance
 from vibrom.latent.manifold_orbits import followed
@@ -87,11 +88,13 @@ class Equations(Method):
                 f"beyond is shooting, which is for bodies of at most {LARGEST} displacements, and "
                 f"this one has {training.term.size}; choose orbits"
             )
-        try:
-            series = self._series(training.term)
-        except NoPolynomial as error:
-            raise Unsupported(str(error)) from error
-        return self._best(series, Residual(training.term))
+        # Threads of BLAS would wait for those of the series, and for one another, in busy loops.
+        with threadpool_limits(limits=1, user_api="blas"):
+            try:
+                series = self._series(training.term)
+            except NoPolynomial as error:
+                raise Unsupported(str(error)) from error
+            return self._best(series, Residual(training.term))
 
     def _series(self, term: Term) -> ManifoldSeries:
         manifold = parametrise(term, self.modes, self.order, self.style, self.detuning)
