@@ -82,6 +82,16 @@ def test_an_experiment_without_a_table_of_its_own_has_one_of_its_scores():
     assert "backbone" in title and "peak finding" in about and "Median over seeds" in how
 
 
+def test_what_nobody_asked_for_is_not_made():
+    every, asked = set(outputs.tables("models")), ["decay", "branches"]
+    left = every - set(outputs.tables("models", asked))
+    assert left >= {"forced", "frc", "run_times", "s_curve"} and "random_forcing" not in every
+    assert not left & {"decay", "branches", "folds", "beam", "checks"}
+    drawn = outputs.figures("models", ["a", "b"], asked={"a": asked, "b": ["frc"]}.get)
+    assert {"decay_a", "branches_a", "frc_phase"} <= set(drawn)
+    assert not {"decay_b", "branches_b", "forced_a", "backbones"} & set(drawn)
+
+
 def test_one_more_table_is_one_file(package):
     (package / "report/tables/mine.py").write_text(TABLE)
     forget()

@@ -71,6 +71,8 @@ def test_every_table_figure_and_page_is_there(small):
             wanted += [f"{kind}/{name}.{form}" for name in made[kind] for form in forms]
     for name in (*wanted, "scores.csv", "report.html", "mlflow.db", "headline.txt"):
         assert (small.results / name).stat().st_size > 0, name
+    there = [path for kind in outputs.FORMATS for path in (small.results / kind).iterdir()]
+    assert {f"{path.parent.name}/{path.name}" for path in there} == set(wanted)  # and no others
 
 
 def test_the_study_of_costs_agrees_with_the_experiments(small):

@@ -5,9 +5,10 @@ title, an empty line, paragraphs. Constants say the rest: FAMILY, "models" or th
 PLACE, its place in reading order; EACH of a figure, one for the "run" or one for each "scene", and
 DATA, where its numbers are. `plot` of a figure replaces it on the page (`report.plots`); without
 one, `seen(collection, scores, scene) -> str` says its numbers to those who cannot see it.
-ASKED names the experiment whose scenes alone have the figure. A figure with GLANCE stands near the
-top of the page. ALSO names studies whose artefacts a table or figure needs besides those of its
-family. An experiment without a table of its own has one of its scores.
+ASKED names the experiment that it shows: scenes that do not ask it have no such figure, and a run
+that does not has no such table. A figure with GLANCE stands near the top of the page. ALSO names
+studies whose artefacts a table or figure needs besides those of its family. An experiment without a
+table of its own has one of its scores.
 """
 
 import ast
@@ -76,10 +77,16 @@ def families() -> list[str]:
     return list(dict.fromkeys(constants["FAMILY"] for constants in every))
 
 
-def tables(family: str, experiments: Iterable[str] = ()) -> list[str]:
-    """The tables of a family, those of the scores of these experiments included."""
-    own = [name for name, constants in _listed("tables").items() if constants["FAMILY"] == family]
-    return own + [name for name in experiments if family == MODELS and not has_table(name)]
+def tables(family: str, experiments: Iterable[str] | None = None) -> list[str]:
+    """The tables of a family; where it is known which experiments a run asks, without those of
+    other ones, and with those of the scores of experiments that have none.
+    """
+    every = {name: one for name, one in _listed("tables").items() if one["FAMILY"] == family}
+    if experiments is None:
+        return list(every)
+    asked = list(experiments)
+    own = [name for name, one in every.items() if one.get("ASKED") in (None, *asked)]
+    return own + [name for name in asked if family == MODELS and not has_table(name)]
 
 
 def has_table(name: str) -> bool:
@@ -95,7 +102,7 @@ def figures(
 ) -> dict[str, Drawing]:
     """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>; those with the
     constant RECORDED are of `recorded` scenes only, those with ASKED of scenes in which that
-    experiment is `asked`, if that is known.
+    experiment is `asked`, where that is known.
     """
     found: dict[str, Drawing] = {}
     for plug, constants in _listed("figures").items():

@@ -18,6 +18,7 @@ from vibrom.thesis.labels import label
 FAMILY = "models"
 PLACE = 480
 EACH = "run"
+ASKED = "backbone"  # where that is asked only
 DATA = ("backbone",)
 X, Y = "angular frequency [rad/s]", "probe amplitude [m]"
 

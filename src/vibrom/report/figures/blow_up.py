@@ -15,6 +15,7 @@ from vibrom.report.drawing import layout, panels, style
 FAMILY = "models"
 PLACE = 510
 EACH = "run"
+ASKED = "forced"  # where that is asked only
 DATA = ("forced",)
 
 

@@ -16,6 +16,7 @@ from vibrom.report.plots import Panel, Series
 FAMILY = "models"
 PLACE = 470
 EACH = "scene"
+ASKED = "decay"  # where that is asked only
 DATA = ("decay",)
 LAST = 5  # periods that the page shows at first
 

@@ -18,6 +18,7 @@ from vibrom.thesis.labels import label
 FAMILY = "models"
 PLACE = 500
 EACH = "scene"
+ASKED = "forced"  # where that is asked only
 DATA = ("forced",)
 
 LEAST, WIDTH = 1.15, 0.72  # [inches] of a panel with its labels, and without

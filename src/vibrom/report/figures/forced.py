@@ -17,6 +17,7 @@ from vibrom.thesis.labels import label
 FAMILY = "models"
 PLACE = 490
 EACH = "scene"
+ASKED = "forced"  # where that is asked only
 DATA = ("forced",)
 HEIGHT = 0.33  # [inches] of a panel
 

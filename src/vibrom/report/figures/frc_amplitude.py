@@ -15,6 +15,7 @@ from vibrom.report.drawing import response
 FAMILY = "models"
 PLACE = 540
 EACH = "run"
+ASKED = "frc"  # where that is asked only
 DATA = ("frc",)
 AXES = ("probe amplitude [m]", "difference [%]")
 

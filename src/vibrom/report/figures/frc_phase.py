@@ -13,6 +13,7 @@ from vibrom.report.drawing import response
 FAMILY = "models"
 PLACE = 550
 EACH = "run"
+ASKED = "frc"  # where that is asked only
 DATA = ("frc",)
 TICKS = {-2: r"$-2\pi$", -1.5: r"$-3\pi/2$", -1: r"$-\pi$", -0.5: r"$-\pi/2$", 0: "0"}
 AXES = ("phase of the probe [rad]", "difference [rad]")

@@ -17,6 +17,7 @@ from vibrom.thesis.labels import label
 FAMILY = "models"
 PLACE = 460
 EACH = "scene"
+ASKED = "decay"  # where that is asked only
 RELATIVE = "z over its largest in the truth [–]", "dz/dt over its largest [–]"  # on the page
 DATA = ("decay",)
 

@@ -23,6 +23,7 @@ from vibrom.report.table import Printed, printed
 
 FAMILY = "models"
 PLACE = 72
+ASKED = "branches"  # where that is asked only
 COLUMNS = (
     CASE,
     METHOD,

@@ -19,6 +19,7 @@ from vibrom.thesis import published as thesis
 
 FAMILY = "models"
 PLACE = 80
+ASKED = "run_times"  # where that is asked only
 COUNTED = {"decay": "decays", "forced": "forced_runs", "frc": "sweeps"}
 HEADINGS = {"decays": "decays", "forced_runs": "forced runs", "sweeps": "response curves"}
 

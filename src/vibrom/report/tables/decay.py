@@ -16,6 +16,7 @@ from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS
 
 FAMILY = "models"
 PLACE = 40
+ASKED = "decay"  # where that is asked only
 COLUMNS = (
     CASE,
     METHOD,

@@ -11,6 +11,7 @@ from vibrom.thesis import published as thesis
 
 FAMILY = "models"
 PLACE = 20
+ASKED = "eigenvalues"  # where that is asked only
 PARTS = ("real_per_s", "imaginary_rad_per_s")
 COLUMNS = (
     CASE,

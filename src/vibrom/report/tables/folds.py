@@ -25,6 +25,7 @@ from vibrom.report.scores import endings, spread
 
 FAMILY = "models"
 PLACE = 71
+ASKED = "branches"  # where that is asked only
 ERRORS = {
     "fold_frequency_error_percent": "Fold frequency [%]",
     "fold_amplitude_error_percent": "Fold amplitude [%]",

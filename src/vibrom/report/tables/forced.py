@@ -17,6 +17,7 @@ from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS
 
 FAMILY = "models"
 PLACE = 50
+ASKED = "forced"  # where that is asked only
 COLUMNS = (
     CASE,
     METHOD,

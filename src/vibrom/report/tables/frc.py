@@ -26,6 +26,7 @@ from vibrom.report.table import Printed, printed
 
 FAMILY = "models"
 PLACE = 70
+ASKED = "frc"  # where that is asked only
 COLUMNS = (
     CASE,
     METHOD,

@@ -12,6 +12,7 @@ from vibrom.report.columns import CASE, METHOD, OUTCOME, SEEDS
 
 FAMILY = "models"
 PLACE = 30
+ASKED = "reconstruction"  # where that is asked only
 COLUMNS = (CASE, METHOD, errors.NMTE, *errors.THESIS, SEEDS, OUTCOME)
 
 

@@ -28,6 +28,7 @@ from vibrom.thesis import published as thesis
 
 FAMILY = "models"
 PLACE = 60
+ASKED = "run_times"  # where that is asked only
 HEADINGS = {
     "generate_training_data_s": "Training data [s]",
     "obtain_mapping_s": "Mapping [s]",

@@ -20,6 +20,7 @@ from vibrom.report.scores import endings, spread
 
 FAMILY = "models"
 PLACE = 73
+ASKED = "s_curve"  # where that is asked only
 FOUND = {
     "folds": "Main folds [–]",
     "upper_fold": "Upper fold [–]",
