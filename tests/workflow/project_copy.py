@@ -91,12 +91,12 @@ def plan(
 
 
 @contextmanager
-def warm(folder: Path) -> Iterator[Callable]:
-    """A command like the others, that runs its jobs as warm_jobs.py says, with the package that is
-    in the folder; what they took of memory is written there.
+def warm(folder: Path, source: Path | None = None) -> Iterator[Callable]:
+    """A command like the others, that runs its jobs as warm_jobs.py says, with the package in
+    `source`, or that of the folder; what they took of memory is written there.
     """
     script, place = str(Path(__file__).with_name("warm_jobs.py")), tempfile.mkdtemp()
-    there = {warm_jobs.SOCKET: f"{place}/jobs", "PYTHONPATH": str(folder / "src")}
+    there = {warm_jobs.SOCKET: f"{place}/jobs", "PYTHONPATH": str(source or folder / "src")}
     line = [sys.executable, script, there[warm_jobs.SOCKET], str(folder / warm_jobs.PEAKS)]
     server = subprocess.Popen(line, env=os.environ | there, stdout=subprocess.PIPE)
     try:

@@ -7,7 +7,7 @@ import subprocess
 
 import pandas as pd
 import pytest
-from project_copy import ROOT, command, copy, plan
+from project_copy import ROOT, copy, plan, warm
 
 PATHS = {"PYTHONPATH": str(ROOT / "src")}
 CONFIG = """
@@ -40,7 +40,8 @@ def project(folder, more="", renamed=""):
 
 def test_another_workflow_runs_this_one_under_other_names(tmp_path):
     folder = project(tmp_path, renamed=" as beam_*")
-    answer = command(folder, "--cores", "2", "beam_scores", **PATHS)
+    with warm(folder, ROOT / "src") as start:
+        answer = start(folder, "--cores", "2", "beam_scores")
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
     scores = pd.read_csv(folder / "results/scores.csv", keep_default_na=False)
     assert set(scores["method"]) == {"full_order", "modal_projection"}
@@ -111,6 +112,6 @@ def test_a_hosted_repository_is_deployed(tmp_path):
     for words in (["init", "-q", "-b", "main"], ["add", "."], ["commit", "-q", "-m", "all"]):
         subprocess.run(["git", *words], cwd=host, env=os.environ | known, check=True)
     target = "results/small/full_order/structure.nc"
-    answer = command(here, "--cores", "1", "--", target, **PATHS, **known)
+    answer = plan(here, "--cores", "1", "--", target, **PATHS, **known)
     assert answer.returncode == 0, (answer.stdout + answer.stderr)[-3000:]
     assert (here / target).is_file()
