@@ -176,8 +176,28 @@ def test_what_cannot_be_served_is_one_line(store, tmp_path, capsys):
     assert capsys.readouterr().out == ""  # no address of a stranger's server
 
 
-# A server starts eight more processes for work that nobody asks of it here.
-WITHOUT_JOBS = os.environ | {"MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
+def test_what_one_user_looks_at_needs_one_server(store, tmp_path, monkeypatch, capsys):
+    """Without being told, MLflow starts four, and eight processes for work that nobody asks."""
+    started = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(os, "execv", lambda program, words: started.append(words))
+    monkeypatch.setattr(os, "environ", {"MLFLOW_TRACKING_URI": "http://else.where"})
+    serve.serve(str(store / "mlflow.db"), 0)
+    assert started[0][-2:] == ["--workers", "1"] and "sqlite:///mlflow.db" in started[0]
+    assert os.environ["MLFLOW_SERVER_ENABLE_JOB_EXECUTION"] == "false"
+    assert "MLFLOW_TRACKING_URI" not in os.environ
+    assert "http://127.0.0.1:0/#/experiments/1" in capsys.readouterr().out
+
+
+# What `mlflow server` starts after 8 s, without the processes for work that nobody asks of it.
+SERVER = ["uvicorn", "mlflow.server.fastapi_app:app", "--host", "127.0.0.1", "--port"]
+KNOWS = {
+    "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false",
+    "_MLFLOW_SERVER_FILE_STORE": "sqlite:///server.db",
+    "_MLFLOW_SERVER_ARTIFACT_ROOT": "mlflow-artifacts:/",
+    "_MLFLOW_SERVER_ARTIFACT_DESTINATION": "./mlartifacts",
+    "_MLFLOW_SERVER_SERVE_ARTIFACTS": "true",
+}
 
 
 def listens(port: int) -> bool:
@@ -195,9 +215,8 @@ def server(tmp_path_factory):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "mlflow", "server", "--host", "127.0.0.1", "--port", str(port)]
-    command += ["--backend-store-uri", "sqlite:///server.db", "--workers", "1"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": WITHOUT_JOBS}
+    command = [sys.executable, "-m", *SERVER, str(port)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": os.environ | KNOWS}
     process = subprocess.Popen(command, cwd=folder, start_new_session=True, **quiet)
     try:
         until(lambda: process.poll() is not None or listens(port))

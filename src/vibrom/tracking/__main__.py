@@ -90,12 +90,14 @@ def serve(store: str, port: int) -> None:
         print(f"{name + ':':<26}{address}")
     print("Stop with Ctrl-C.", flush=True)
     os.environ.setdefault("MLFLOW_DISABLE_TELEMETRY", "true")
+    # Nor eight more processes, which judge answers of language models.
+    os.environ.setdefault("MLFLOW_SERVER_ENABLE_JOB_EXECUTION", "false")
     os.environ.pop("MLFLOW_TRACKING_URI", None)
     # From its folder: an address of a database cannot hold every path.
     place = Path(store).absolute()
     os.chdir(place.parent)
     command = [sys.executable, "-m", "mlflow", "ui", "--backend-store-uri"]
-    command += [f"sqlite:///{place.name}", "--host", HOST, "--port", str(port)]
+    command += [f"sqlite:///{place.name}", "--host", HOST, "--port", str(port), "--workers", "1"]
     os.execv(sys.executable, command)
 
 
