@@ -127,6 +127,18 @@ def test_too_short_a_decay_has_no_backbone():
     assert np.isnan(backbone_error((np.zeros(0),) * 2, (np.ones(3),) * 2))
 
 
+def test_errors_of_backbones_do_not_depend_on_where_their_points_are():
+    """|y/y_true - 1| = a/10 between 1, where one begins, and 3, where the other one ends: 20 %."""
+    random = np.random.default_rng(0)
+    for count in (2, 3, 30):
+        a, b = (np.sort(random.uniform(*ends, count)) for ends in ((1.0, 4.0), (0.5, 3.0)))
+        a[[0, -1]], b[[0, -1]] = (1.0, 4.0), (0.5, 3.0)
+        found = backbone_error((a, 1.0 + 0.1 * a), (b, np.ones(count)))
+        assert found == pytest.approx(20.0)
+    assert backbone_error((np.ones(1), np.full(1, 1.1)), (a, np.ones(30))) == pytest.approx(10.0)
+    assert np.isnan(backbone_error((np.zeros(1), np.ones(1)), (a, np.ones(30))))
+
+
 def test_differences_are_of_sixth_order():
     errors = []
     for count in (40, 80):

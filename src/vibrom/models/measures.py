@@ -135,16 +135,22 @@ def crossings(time: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def backbone_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) -> float:
-    """Mean of |y/y_true - 1| in percent over the amplitudes that both curves reach, of curves
-    (amplitude, y), where y is a frequency or a damping ratio; NaN without a common amplitude.
+    """Mean of |y/y_true - 1| in percent along the amplitudes a that both curves reach,
+
+        1/(a_2 - a_1) int |y/y_true - 1| da,
+
+    of curves (amplitude, y), where y is a frequency or a damping ratio, linear between points: how
+    many points there are, and where the last ones fall, makes no difference. NaN without a common
+    amplitude.
     """
     if not (len(curve[0]) and len(true[0])):
         return float("nan")
-    order, order_true = np.argsort(curve[0]), np.argsort(true[0])
-    common = true[0][order_true]
-    common = common[(common >= curve[0].min()) & (common <= curve[0].max())]
-    if len(common) == 0:
+    sorted_ = [[part[np.argsort(one[0], kind="stable")] for part in one] for one in (curve, true)]
+    first, last = max(one[0][0] for one in sorted_), min(one[0][-1] for one in sorted_)
+    if first > last:
         return float("nan")
-    model = np.interp(common, curve[0][order], curve[1][order])
-    reference = np.interp(common, true[0][order_true], true[1][order_true])
-    return float(100 * np.mean(np.abs(model / reference - 1)))
+    points = np.concatenate([one[0] for one in sorted_])
+    at = np.unique(np.clip(points, first, last))
+    model, reference = (np.interp(at, *one) for one in sorted_)
+    error = 100.0 * np.abs(model / reference - 1.0)
+    return float(np.trapezoid(error, at) / (last - first) if first < last else error[0])
