@@ -145,12 +145,13 @@ def backbone_error(curve: tuple[np.ndarray, ...], true: tuple[np.ndarray, ...]) 
     """
     if not (len(curve[0]) and len(true[0])):
         return float("nan")
-    sorted_ = [[part[np.argsort(one[0], kind="stable")] for part in one] for one in (curve, true)]
-    first, last = max(one[0][0] for one in sorted_), min(one[0][-1] for one in sorted_)
+    order, order_true = (np.argsort(one[0], kind="stable") for one in (curve, true))
+    amplitudes = curve[0], true[0]
+    first, last = max(a.min() for a in amplitudes), min(a.max() for a in amplitudes)
     if first > last:
         return float("nan")
-    points = np.concatenate([one[0] for one in sorted_])
-    at = np.unique(np.clip(points, first, last))
-    model, reference = (np.interp(at, *one) for one in sorted_)
+    at = np.unique(np.clip(np.concatenate(amplitudes), first, last))
+    model = np.interp(at, curve[0][order], curve[1][order])
+    reference = np.interp(at, true[0][order_true], true[1][order_true])
     error = 100.0 * np.abs(model / reference - 1.0)
     return float(np.trapezoid(error, at) / (last - first) if first < last else error[0])
