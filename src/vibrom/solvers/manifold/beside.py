@@ -53,7 +53,8 @@ def beside(
         np.subtract.at(missing, degree.row, measured[:, degree.right + 1, degree.left].T)
         state[0, here], extra = bordered.solve(sigma, f, missing)
         state[1, here] = sigma[:, None] * state[0, here] + a + extra @ masters.shapes
-        measured[:, :, here] = sum(m @ part[here].T for m, part in zip(measures, state))
+        known = 1 + monomials.of_degree(monomials.order - k).start  # what meets it up to the order
+        measured[:, :known, here] = sum(m[:, :known] @ x[here].T for m, x in zip(measures, state))
         for part in forces:
             part.complete(degree, state[0, here])
     return state[0]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from vibrom.kernels.lanes import cut, fill, kernel, part, paste
+from vibrom.kernels.lanes import cut, fill, kernel, part, paste, room
 from vibrom.solvers.manifold.monomials import Monomials, Pairs
 from vibrom.solvers.threads import mapped, worth
 
@@ -64,26 +64,41 @@ def kept_of(monomials: Monomials, degree: int) -> np.ndarray:
 
 
 @part
+def _copy(a, rows, first, width, into):
+    """`width` points of every row, one row after the other: together they stay in the cache."""
+    points, a = a.shape[3], a.reshape(a.size)
+    for row in range(rows):
+        paste(into, row * width, cut(a, row * points + first, width))
+
+
+@part
 def _add(a, b, pairs, form, c, first, width):
-    """The products at `width` points from `first` on."""
+    """The products at `width` points from `first` on, of all of a and b."""
     begin, left, left_sign, right, right_sign = pairs
     outs, ones, others, factors = form
-    points = a.shape[3]
-    of_a, of_b, of_c = 2 * a.shape[1] * points, 2 * b.shape[1] * points, 2 * c.shape[1] * points
-    a, b, c = a.reshape(a.size), b.reshape(b.size), c.reshape(c.size)
+    (a, rows), (b, columns) = a, b
+    points, c_rows, c = c.shape[3], 2 * c.shape[1], c.reshape(c.size)
     for e in range(len(outs)):
-        one, other = first + 2 * ones[e] * points, first + 2 * others[e] * points
         for target in range(len(begin) - 1):
             real, imaginary = fill(0.0, width), fill(0.0, width)
             for k in range(begin[target], begin[target + 1]):
-                x, y = one + left[k] * of_a, other + right[k] * of_b
-                xr, xi = cut(a, x, width), cut(a, x + points, width) * left_sign[k]
-                yr, yi = cut(b, y, width), cut(b, y + points, width) * right_sign[k]
+                x = (left[k] * rows + 2 * ones[e]) * width
+                y = (right[k] * columns + 2 * others[e]) * width
+                xr, xi = cut(a, x, width), cut(a, x + width, width) * left_sign[k]
+                yr, yi = cut(b, y, width), cut(b, y + width, width) * right_sign[k]
                 real += xr * yr - xi * yi
                 imaginary += xr * yi + xi * yr
-            z = first + 2 * outs[e] * points + target * of_c
+            z = (target * c_rows + 2 * outs[e]) * points + first
             paste(c, z, cut(c, z, width) + real * factors[e])
             paste(c, z + points, cut(c, z + points, width) + imaginary * factors[e])
+
+
+@part
+def _step(a, b, rooms, pairs, form, c, first, width):
+    x, y = rooms
+    _copy(a, len(x) // BLOCK, first, width, x)
+    _copy(b, len(y) // BLOCK, first, width, y)
+    _add((x, 2 * a.shape[1]), (y, 2 * b.shape[1]), pairs, form, c, first, width)
 
 
 @kernel(
@@ -99,11 +114,13 @@ def _add(a, b, pairs, form, c, first, width):
     nogil=True,
 )
 def _multiply(a, b, pairs, form, c, begins, ends):
+    rows = 2 * a.shape[1] * (1 + pairs[1].max()), 2 * b.shape[1] * (1 + pairs[3].max())
+    rooms = room(rows[0], BLOCK).reshape(-1), room(rows[1], BLOCK).reshape(-1)
     whole = ends - (ends - begins) % BLOCK
     for first in range(begins, whole, BLOCK):
-        _add(a, b, pairs, form, c, first, BLOCK)
+        _step(a, b, rooms, pairs, form, c, first, BLOCK)
     for first in range(whole, ends):
-        _add(a, b, pairs, form, c, first, 1)
+        _step(a, b, rooms, pairs, form, c, first, 1)
 
 
 def multiply(
@@ -112,6 +129,8 @@ def multiply(
     """Adds the products to `into` (targets, outs, 2, points); a and b (kept, components, 2,
     points).
     """
+    if not len(pairs.left):
+        return
     blocks = -(-into.shape[3] // BLOCK)
     parts = min(worth(into.shape[3]), blocks)
     ends = np.append(BLOCK * (blocks * np.arange(parts) // parts), into.shape[3])
