@@ -31,6 +31,15 @@ def test_the_headline_speaks_of_the_thesis_where_it_has_a_number(value):
     assert "1.00" in text and ("thesis" in text) == np.isfinite(value)
 
 
+def test_the_headline_says_nothing_of_what_was_not_asked():
+    """Nor where some methods do not go with the scene whatever is asked."""
+    rows = [{"case": "mine", "method": name} for name in ("ssmlearn", "modal_projection")]
+    words = {"ssmlearn": "not run", "modal_projection": "skipped"}
+    assert not headline.asked(headline.grid(rows, lambda row: words[row["method"]]))
+    assert headline.asked(headline.grid(rows, lambda row: "skipped"))
+    assert headline.checks([]) == []
+
+
 def test_one_case_is_not_the_hardest_of_many(collection, scores):
     found = answer.of(collection, scores)
     assert ", the hardest, " in sentences.hardest(found)

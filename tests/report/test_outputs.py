@@ -90,6 +90,10 @@ def test_what_nobody_asked_for_is_not_made():
     drawn = outputs.figures("models", ["a", "b"], asked={"a": asked, "b": ["frc"]}.get)
     assert {"decay_a", "branches_a", "frc_phase"} <= set(drawn)
     assert not {"decay_b", "branches_b", "forced_a", "backbones"} & set(drawn)
+    measured = outputs.figures("models", ["a"], recorded=["a"])
+    assert "slow_motion_a" in measured and "release_states" not in measured
+    both = outputs.figures("models", ["a", "b"], recorded=["a"])
+    assert "slow_motion_b" not in both and "release_states" in both
 
 
 def test_one_more_table_is_one_file(package):

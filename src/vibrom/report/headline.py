@@ -87,8 +87,9 @@ def checks(rows: Iterable[Row]) -> list[str]:
         for row in rows
         if row["met"] not in ("yes", "no")
     ]
+    count = met["yes"] + met["no"]
     return [
-        f"{'Checks':<10}{met['yes']} of {met['yes'] + met['no']} met",
+        *([f"{'Checks':<10}{met['yes']} of {count} met"] if count else []),
         *(f"{'':<10}{case}, {label(method)}: not compared, {why}" for case, method, why in left),
         *(
             f"{'not met':<10}{row['case']}, {label(row['method'])}: {row['quantity']} "
@@ -120,9 +121,12 @@ def sections(tables: Mapping[str, Table]) -> dict[str, pd.DataFrame]:
 
 
 def asked(frame: pd.DataFrame) -> bool:
-    """Does a cell say more than that there was nothing to say?"""
+    """Does a cell say more than that there was nothing to say? A method that does not go with a
+    scene is skipped there whatever is asked.
+    """
     cells = frame.iloc[:, 1:].to_numpy(str).ravel()
-    return not all(cell.startswith(("not run", GONE)) for cell in cells)
+    said = [cell for cell in cells if not cell.startswith(("not run", GONE))]
+    return bool(said) and (len(said) == len(cells) or set(said) != {"skipped"})
 
 
 def show(tables: Mapping[str, Table], places: dict[str, str], console: Console) -> None:

@@ -100,14 +100,17 @@ def figures(
     recorded: Iterable[str] = (),
     asked: Callable[[str], Iterable[str]] | None = None,
 ) -> dict[str, Drawing]:
-    """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>; those with the
-    constant RECORDED are of `recorded` scenes only, those with ASKED of scenes in which that
-    experiment is `asked`, where that is known.
+    """The figures of a family over these scenes by name: <plug>, or <plug>_<scene>. With the
+    constant RECORDED they are of `recorded` scenes only, or of no such scene where it is false;
+    with ASKED of scenes in which that experiment is `asked`, where that is known.
     """
     found: dict[str, Drawing] = {}
+    scenes, measured = list(scenes), set(recorded)
     for plug, constants in _listed("figures").items():
         if constants["FAMILY"] == family:
-            shown: list[str | None] = list(recorded if constants.get("RECORDED") else scenes)
+            shown: list[str | None] = [
+                scene for scene in scenes if constants.get("RECORDED") in (None, scene in measured)
+            ]
             if asked is not None and (name := constants.get("ASKED")):
                 shown = [scene for scene in shown if name in asked(scene)]
             if constants["EACH"] == "run" and shown:

@@ -15,6 +15,7 @@ from vibrom.report.drawing.states import states
 FAMILY = "models"
 PLACE = 420
 EACH = "run"
+RECORDED = False  # of scenes with a body only
 DATA = ("beam", "{scene}/full_order/release.nc")
 
 

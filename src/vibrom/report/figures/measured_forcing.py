@@ -18,6 +18,7 @@ PLACE = 567
 EACH = "scene"
 DATA = ("measured_forcing",)
 RECORDED = True  # of recorded scenes only
+ASKED = "measured_forcing"  # where that is asked only
 ERROR = ("measured_forcing", "nmte_percent")
 LINE = {"linewidth": 0.9, "marker": ""}
 NEAR = 0.05  # of the recording, on each side of its largest displacement

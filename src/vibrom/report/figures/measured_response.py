@@ -20,6 +20,7 @@ PLACE = 566
 EACH = "scene"
 DATA = ("measured_response",)
 RECORDED = True  # of recorded scenes only
+ASKED = "measured_response"  # where that is asked only
 
 
 def draw(collection, scores, scene) -> Figure:

@@ -16,6 +16,7 @@ from vibrom.report.drawing.states import states
 FAMILY = "models"
 PLACE = 430
 EACH = "run"
+RECORDED = False  # of scenes with a body only
 DATA = ("{scene}/full_order/release.nc",)
 
 
