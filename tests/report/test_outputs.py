@@ -94,6 +94,8 @@ def test_what_nobody_asked_for_is_not_made():
     assert "slow_motion_a" in measured and "release_states" not in measured
     both = outputs.figures("models", ["a", "b"], recorded=["a"])
     assert "slow_motion_b" not in both and "release_states" in both
+    for name in ("slow_motion_a", "release_states", "decay_b"):
+        assert outputs.drawing(name, ["a", "b"]).plug == name.removesuffix("_a").removesuffix("_b")
 
 
 def test_one_more_table_is_one_file(package):
