@@ -38,6 +38,8 @@ def test_the_headline_says_nothing_of_what_was_not_asked():
     assert not headline.asked(headline.grid(rows, lambda row: words[row["method"]]))
     assert headline.asked(headline.grid(rows, lambda row: "skipped"))
     assert headline.checks([]) == []
+    left = {"met": "not compared", "case": "folding", "method": "full_order", "source": "why"}
+    assert headline.checks([left]) == ["Checks    folding, Full order: not compared, why"]
 
 
 def test_one_case_is_not_the_hardest_of_many(collection, scores):

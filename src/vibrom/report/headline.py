@@ -88,9 +88,10 @@ def checks(rows: Iterable[Row]) -> list[str]:
         if row["met"] not in ("yes", "no")
     ]
     count = met["yes"] + met["no"]
+    lines = [f"{met['yes']} of {count} met"] if count else []
+    lines += [f"{case}, {label(method)}: not compared, {why}" for case, method, why in left]
     return [
-        *([f"{'Checks':<10}{met['yes']} of {count} met"] if count else []),
-        *(f"{'':<10}{case}, {label(method)}: not compared, {why}" for case, method, why in left),
+        *(f"{'' if index else 'Checks':<10}{line}" for index, line in enumerate(lines)),
         *(
             f"{'not met':<10}{row['case']}, {label(row['method'])}: {row['quantity']} "
             f"{number(row['value'], 6)} (bound {row['bound']})"
