@@ -16,6 +16,8 @@ TOUCH = (
 
 def faults(figure) -> list[str]:
     """One line each."""
+    if figure.get_layout_engine() is None:  # it was laid out; drawing puts its words in place
+        figure.draw_without_rendering()
     width, height = figure.get_size_inches()
     found = [f"{width:.2f} inches wide"] if width > COLUMN else []
     found += [f"{height:.2f} inches tall"] if height > PAGE else []

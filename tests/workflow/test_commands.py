@@ -24,7 +24,7 @@ from benchmarks import __main__ as benchmarks
 from benchmarks.table import Row
 
 HERE = Path(sys.executable).parent
-NO_INDEX = "Could not connect|error sending request|Failed to fetch|dns error"  # of packages
+NO_INDEX = "error sending request|Failed to fetch|dns error|not found in the package registry"
 
 
 def runs(words: list[str], folder: Path) -> str:
