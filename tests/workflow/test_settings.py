@@ -11,7 +11,9 @@ from bad_scenes import SCENE
 from project_copy import change
 from reading import complaint, load, overlay, shown
 
-from vibrom.config.errors import closest
+from vibrom.config import settings
+from vibrom.config.errors import SettingsError, closest
+from vibrom.config.layers import MODULE
 
 VARIANT = "config/methods/ssmlearn_11.yaml"
 
@@ -55,6 +57,12 @@ def test_a_value_of_the_command_line_is_blamed_on_it(project, tmp_path):
     loose = load(project, mine, integrator={"atol": "1e-4"}, seeds=["3", "2e0"], studies="null")
     assert loose.integrator["rtol"] == 1e-3 and loose.integrator["atol"] == 1e-4
     assert loose.seeds == [3, 2] and loose.studies == {}
+
+
+@pytest.mark.parametrize("given", [5, "mine.yaml", ["small"]])
+def test_a_module_that_is_given_no_block_is_told(project, given):
+    with pytest.raises(SettingsError, match="config of the module: config = .* give a block"):
+        settings.load(project / "config", [], given, MODULE)
 
 
 def test_overlays_merge_replace_and_remove(project, tmp_path):

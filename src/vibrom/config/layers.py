@@ -89,6 +89,9 @@ class Sources:
             (path, files.read(Path(path))) for path in paths
         ]
         if command:
+            if not isinstance(command, Mapping):
+                cure = "must hold `key: value` pairs; give a block of the configuration"
+                raise SettingsError(origin, "config", command, cure)
             self.blocks.append((origin, _words(dict(command))))
 
     def config(self) -> Layers:
