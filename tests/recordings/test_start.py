@@ -135,6 +135,8 @@ def test_units_and_dates_of_netcdf_are_taken_from_its_attributes(here, monkeypat
         (["a.csv", "--out", "config/scenes/my scene.yaml"], "the name of a scene has letters"),
         (["a.csv", "a.csv", "--out", "config/scenes/mine.yaml"], "a.csv: is given twice"),
         (["b.npz", "--out", "config/scenes/mine.yaml"], "no instants among x, y"),
+        (["b.npz", "--step", "-1", "--out", "config/scenes/mine.yaml"], "step = -1: give the time"),
+        (["b.npz", "--step", "nan", "--out", "config/scenes/mine.yaml"], "step = nan: give"),
     ],
 )
 def test_what_cannot_be_a_scene_is_one_line(here, monkeypatch, arguments, says):

@@ -110,6 +110,8 @@ def counted(number: int, what: str) -> str:
 
 def recordings_in(path: Path, step: float | None = None) -> list[Recording]:
     """Those of one file, all for training."""
+    if step is not None and not 0.0 < step < np.inf:
+        raise DataError(f"step = {step:g}: give the time between samples, more than zero")
     arrays = files.read(path)
     pairs = [
         (name, f"{match[1]}{{{match[2]},2}}")
