@@ -50,6 +50,12 @@ def test_a_model_that_is_not_odd_takes_whole_periods():
     assert odd(drift, force, reach)
     assert not odd(drift, lambda z: force(z) + 1e-3 * z, reach)
     assert not odd(lambda z: drift(z) + 1e-3 * z**2, force, reach)
+    # Twice the range away, z^21 is a million times as large as the square within it.
+    assert odd(lambda z: drift(z) - z**21, force, reach)
+    assert not odd(lambda z: drift(z) - z**21 + 1e-3 * z**2, force, reach)
+    # A rate of 1e-3 of the position's own is nothing beside that of the velocity.
+    fast = np.array([1.0, 1e4])
+    assert not odd(lambda z: drift(z) * fast + np.array([1e-3, 0.0]) * z**2, force, reach)
 
 
 def test_kinks_are_found_with_the_fourth_power_of_the_step():
