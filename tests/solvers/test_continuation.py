@@ -44,6 +44,27 @@ def test_a_branch_is_followed_through_its_folds_onto_the_solution(newton):
     assert max(turns) <= 2.5 * pace.turn
 
 
+@pytest.mark.parametrize("apart", [3e-3, 1e-2, 3e-2, 1e-1])
+def test_a_branch_is_not_left_where_another_one_nearly_crosses(apart):
+    """p x - x^3 + e^(3/2) = 0: where p grows from below, x = 0 bends into the upper half of the
+    pitchfork, p = x^2 - e^(3/2)/x; straight ahead, e away, lies the branch with x < 0.
+    """
+
+    def problem(x, p, derivative):
+        residual = np.array([p * x[0] - x[0] ** 3 + apart**1.5, x[1] - 1.0])
+        by_x = np.diag([p - 3.0 * x[0] ** 2, 1.0])
+        return Value(residual, by_x, np.array([x[0], 0.0]))
+
+    for turn in (0.1, 0.25, 0.5):
+        pace = Pace(scale=0.5, turn=turn, newton=True)
+        point = continuation.at(problem, np.array([apart**1.5 / 2.0, 1.0]), -2.0, pace)
+        for ahead in continuation.walk(problem, point, pace):
+            assert ahead.x[0] > 0.0 and ahead.p > point.p
+            point = ahead
+            if ahead.p > 2.0:
+                break
+
+
 def test_the_matrix_of_the_last_point_and_one_made_anew_lead_to_the_same_points():
     points = []
     for newton in (True, False):

@@ -6,7 +6,9 @@ t is the tangent at the last point, t' its change over the last step, n = t; X i
 the last point and P a scale of p, so that a step is a relative change. Corrections are those of
 `corrector`. At each solution the derivative is its own, but for 1e-4 of its size: eigenvalues
 decide on stability. Steps are as long as the tangent turns little enough and the corrections are
-few enough.
+few enough. Along a branch det(dF/du; t) keeps its sign, but where another one crosses: a step that
+changes it and has passed no crossing has gone over the gap between two branches that nearly cross,
+and is taken again, shorter.
 
 Source: Keller, Lectures on Numerical Methods in Bifurcation Problems (1987), chapter 4.
 
@@ -52,6 +54,7 @@ class Point:
 # Steps in a row no longer than STUCK lead nowhere, and a walk ends: as many as may turn by CRAWL
 # [rad], and FEWEST at least. It passes folds close by each other, and sharp turns, in fewer.
 CRAWL, FEWEST, STUCK = 6.0, 24, 2e-3
+GAP = 0.01  # length at which a gap between two branches is as good as a crossing
 NEWTON_FEW = 3  # evaluations of Newton's method up to which a step may grow
 
 
@@ -125,11 +128,42 @@ def turning(left: Point, right: Point, pace: Pace) -> float:
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
+def orientation(point: Point) -> float:
+    """The sign of det(dF/du; t)."""
+    m = len(point.x)
+    matrix = np.empty((m + 1, m + 1))
+    matrix[:m, :m], matrix[:m, m], matrix[m] = point.value.by_x, point.value.by_p, point.tangent
+    return float(np.linalg.slogdet(matrix)[0])
+
+
+def _before_gap(
+    problem: Problem, point: Point, ahead: Point, pace: Pace, before: Point | None
+) -> float:
+    """How far to go from `point`, as the orientation is another one `ahead`: as far as that, if
+    there the branch is crossed by another one.
+    """
+    side, low, high, near, far = orientation(point), 0.0, ahead.arc - point.arc, point, ahead
+    while high - low > GAP:
+        # Not by half: where steps are doubled, that leads onto a crossing itself.
+        length = low + 0.4 * (high - low)
+        try:
+            middle = beyond(problem, point, length, pace, before)
+        except Lost:
+            return length
+        if orientation(middle) == side:
+            low, near = length, middle
+        else:
+            high, far = length, middle
+    crossed = norm((far.u - near.u) / point.scale(pace)) <= 2.0 * (high - low)
+    return ahead.arc - point.arc if crossed else low or 0.4 * high
+
+
 def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
     """The branch from `start` along its tangent, `start` itself left out, for as long as it is
     wanted. Raises Lost where the smallest step finds no solution, or where it only creeps on.
     """
     point, before, length, short, held = start, None, pace.first, 0, False
+    side = orientation(start)
     while short < max(FEWEST, CRAWL / pace.turn):
         try:
             ahead = beyond(problem, point, length, pace, before)
@@ -141,12 +175,17 @@ def walk(problem: Problem, start: Point, pace: Pace) -> Iterator[Point]:
             if length < pace.smallest:
                 raise
             continue
+        now = orientation(ahead)
+        shorter = length if now == side else _before_gap(problem, point, ahead, pace, before)
+        if shorter < length:
+            length, held = shorter, True
+            continue
         short = short + 1 if length <= STUCK else 0
         few = NEWTON_FEW if pace.newton else pace.few
         most = 0.7 if ahead.iterations > few else 1.0 if held else 2.0
         growth = max(min(pace.turn / max(angle, 1e-12), most), 0.4)
         length, held = min(length * growth, pace.largest), False
-        before, point = point, ahead
+        before, point, side = point, ahead, now
         pace.heard(1)
         yield point
     raise Lost("the branch is followed by steps that are too short")
