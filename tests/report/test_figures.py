@@ -183,6 +183,16 @@ def test_all_formats_and_the_same_bytes_twice(small, tmp_path):
     assert all(content.startswith(b"\x89PNG") for content in written[0][2::3])
 
 
+def test_tables_of_an_earlier_run_go_where_they_are_not_asked_for(small, tmp_path):
+    for name in ("frc.csv", "frc.tex", "mine.csv"):
+        (tmp_path / name).write_text("of before")
+    given = {"artefacts": small.paths, "provenance": {"source_digest": "feed"}}
+    paths = [str(tmp_path / f"beam.{form}") for form in outputs.FORMATS["tables"]]
+    output.run(kind="tables", outputs=paths, not_asked=["frc", "branches"], **given)
+    there = {path.name for path in tmp_path.iterdir()}
+    assert there == {"mine.csv", *(Path(path).name for path in paths)}
+
+
 def test_a_figure_that_does_not_exist_is_refused_by_name():
     with pytest.raises(ValueError, match="'decays': unknown"):
         outputs.drawing("decays", ["small"])

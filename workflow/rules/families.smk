@@ -28,6 +28,7 @@ for PART in parts():
         params:
             step="output",
             kind=KIND,
+            not_asked=not_asked(PART),
             provenance=code("output", f"report.{KIND}", *modules(KIND, [FAMILY])),
         message:
             f"{KIND} of {FAMILY}{', {wildcards.scene}' if PART.folder else ''}"

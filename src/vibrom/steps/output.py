@@ -1,5 +1,6 @@
 """Artefacts -> results/tables/<name>.csv, .tex, .html or results/figures/<name>.svg, .pdf, .png."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -15,9 +16,11 @@ def run(
     outputs: list[str],
     provenance: dict,
     scores: str | None = None,
+    not_asked: Sequence[str] = (),
 ) -> None:
     """`kind`: tables or figures, the package below vibrom.report that makes them. `scores` are
-    those of the run; without them, those of the artefacts.
+    those of the run; without them, those of the artefacts. What an earlier run left of tables that
+    this one is `not_asked` for is removed: nothing would tell how old they are.
     """
     makers = import_module(f"vibrom.report.{kind}")
     collection = Collection.at(artefacts)
@@ -27,3 +30,6 @@ def run(
         for path in (path for path in outputs if Path(path).stem == name):
             form = Path(path).suffix.removeprefix(".")
             write(path, makers.render(made, form, provenance["source_digest"]))
+    for path in map(Path, outputs):
+        for name in not_asked:
+            path.with_name(name + path.suffix).unlink(missing_ok=True)

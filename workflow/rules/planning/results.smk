@@ -156,6 +156,12 @@ def parts():
             yield Part(name, family, kind, scenes, by_scene[scenes[0]])
 
 
+def not_asked(part):
+    """The tables that a run of all experiments has besides."""
+    every = outputs.tables(part.family, EXPERIMENTS) if part.kind == "tables" else ()
+    return [name for name in every if name not in part.plugs]
+
+
 def in_report(part):
     """Its outputs: .html of tables and .svg of figures appear in Snakemake's report."""
     return [
