@@ -19,8 +19,8 @@ def run(
     not_asked: Sequence[str] = (),
 ) -> None:
     """`kind`: tables or figures, the package below vibrom.report that makes them. `scores` are
-    those of the run; without them, those of the artefacts. What an earlier run left of tables that
-    this one is `not_asked` for is removed: nothing would tell how old they are.
+    those of the run; without them, those of the artefacts. What an earlier run left and this one
+    is `not_asked` for is removed: nothing would tell how old it is.
     """
     makers = import_module(f"vibrom.report.{kind}")
     collection = Collection.at(artefacts)

@@ -157,9 +157,18 @@ def parts():
 
 
 def not_asked(part):
-    """The tables that a run of all experiments has besides."""
-    every = outputs.tables(part.family, EXPERIMENTS) if part.kind == "tables" else ()
-    return [name for name in every if name not in part.plugs]
+    """What a run of all experiments has besides, of the run or of a scene."""
+    if part.kind == "tables":
+        every = outputs.tables(part.family, EXPERIMENTS)
+        return [name for name in every if name not in part.plugs]
+    every = outputs.figures(part.family, SCENES, RECORDED_SCENES)
+    others = {name: each.scene for name, each in every.items() if name not in FIGURES[part.family]}
+
+    def names(wildcards):
+        here = getattr(wildcards, "scene", None)
+        return [name for name, scene in others.items() if scene == here]
+
+    return names
 
 
 def in_report(part):
