@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from miniature import FITTED_ONCE, SEEDED, Run
-from project_copy import ROOT, plan
+from miniature import EXPERIMENTS, FITTED_ONCE, SEEDED, Run
+from project_copy import ROOT, command, plan
 
 from vibrom.artefacts.data import open_dataset
 from vibrom.report import outputs
@@ -20,6 +20,7 @@ COST = {"cost_models", "cost_tables", "cost_figures_of_scene"}
 TRUST = {"trust_models", "trust_tables", "trust_figures"}
 SINKS = {"scores", "models_tables", "models_figures", "models_figures_of_scene"}
 SAME = ("folding", "again")
+SMALL = ROOT / "tests/workflow/small_dag.yaml"
 SINKS |= {"report", "tracking", "crate", "headline", "all"}
 
 
@@ -197,7 +198,7 @@ def test_what_two_scenes_ask_alike_is_made_in_the_first_one(small):
     """
     scene = (small.folder / "config/scenes/folding.yaml").read_text()
     (small.folder / "config/scenes/again.yaml").write_text(scene)
-    block = yaml.safe_load((ROOT / "tests/workflow/small_dag.yaml").read_text())["scene_settings"]
+    block = yaml.safe_load(SMALL.read_text())["scene_settings"]
     path = small.folder / "twice.yaml"
 
     def ask(**experiments):
@@ -219,3 +220,19 @@ def test_what_two_scenes_ask_alike_is_made_in_the_first_one(small):
     ask(frc={"forcing": 50.0})
     other = small.planned("--forceall", second[0], overlays=(str(path),))
     assert (asked["full_order_frc"], other["full_order_frc"]) == (2, 1)
+
+
+def test_figures_of_an_earlier_run_go_where_a_run_does_not_ask_for_them(small):
+    asked = [name for name in EXPERIMENTS if name != "response"]
+    path = small.folder / "without.yaml"
+    path.write_text(yaml.safe_dump({"experiments": asked}))
+    figures, rule = small.results / "figures", "models_figures_of_scene"
+    alone = ("--forcerun", rule, "--allowed-rules", rule, "--", "results/figures/decay_folding.svg")
+    before = {file.name for file in figures.iterdir()}
+    for more in ([str(path)], []):
+        given = ("--cores", "2", "--configfile", str(SMALL), *more, *alone)
+        made = command(small.folder, *given, PYTHONPATH=str(small.folder / "src"))
+        assert made.returncode == 0, made.stdout + made.stderr
+        after = {file.name for file in figures.iterdir()}
+        gone = {f"response_folding.{form}" for form in ("svg", "pdf", "png")} if more else set()
+        assert before - after == gone
